@@ -24,7 +24,7 @@ set(layers_sim shape law state constraint solver scene simulation io|local_probl
 set(layers_vehicle model world|multibody|semi_empirical feasible|hard_ground)
 set(layers_terrain bed soil soil_test|raster)
 set(layers_learning qubo formats encoding model sampler machine|qubits annealer rbm|score)
-set(layers_pipeline report campaign outcome inspect map|lab app)
+set(layers_pipeline report campaign outcome inspect map|lab face app)
 set(most_sub_rooms 10)
 
 # library: pattern of its headers, folders that own it; tests of an owner may use the library as an independent oracle

@@ -66,7 +66,6 @@ function(gonogo_library name)
   set_target_properties(gonogo_${name} PROPERTIES
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_link_libraries(gonogo_${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
-  set_property(GLOBAL APPEND PROPERTY gonogo_libraries ${name})  # for gonogo_install.cmake
 endfunction()
 
 # Only for headers that every file includes anyway: no file may compile because of it alone.

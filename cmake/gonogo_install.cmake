@@ -1,83 +1,49 @@
 # Installs the library, the program, and what both need; include it last.
 #
-# The public headers are include/gonogo/*.h and what they include, found by following their #include lines: nothing else
-# is installed. Libraries form components, each with an export set of its own, so that a user of `sim` needs neither
-# GDAL nor LibTorch nor cairo:
+# The public headers are exactly include/gonogo/*.h. Each is a component of the package and a target of it:
 #
-#   find_package(gonogo 0.2 REQUIRED COMPONENTS sim)
+#   find_package(gonogo 0.2 REQUIRED COMPONENTS sim vehicle)
 #   target_link_libraries(mine gonogo::vehicle)
+#
+# Static libraries need the internal ones behind them as archives. Those export no include folder, and their targets are
+# called gonogo::internal_<name>. All are exported in sets by the third-party libraries that they need, so that a user
+# of `sim` needs neither GDAL nor LibTorch nor cairo. CMake refuses a library that no set holds.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# Component of a library, by the folder that defines it. A component may use those before it.
-set(gonogo_components sim report learn map lab)
-set(folders_sim base sim vehicle terrain pipeline/campaign)
-set(folders_report pipeline/report pipeline/inspect)
-set(folders_learn learning pipeline/outcome)
-set(folders_map pipeline/map)
-set(folders_lab pipeline/lab)
-# The libraries of their folders that need GDAL.
-set(component_of_map_figure map)
-set(component_of_raster map)
+set(faces sim terrain vehicle campaign qubo learn map)
+set(gonogo_sets core report answers training maps)
+set(set_core face_common face_sim face_terrain face_vehicle face_campaign
+    version base json hdf5 sim sim_io vehicle bed soil study design trial dataset campaign study_campaign)
+set(set_report figure picture)                                                           # cairo
+set(set_answers face_qubo learning hardware outcome map_rules trained_model)             # Boost
+set(set_training face_learn active rbm train)                                            # LibTorch
+set(set_maps face_map map map_figure map_request page raster route route_search)  # GDAL, zlib
 
-# Public headers: a header and all that it includes from this project, by paths from the source root.
-function(gonogo_follow_header header)
-  get_property(found GLOBAL PROPERTY gonogo_public_headers)
-  if(header IN_LIST found)
-    return()
-  endif()
-  set_property(GLOBAL APPEND PROPERTY gonogo_public_headers "${header}")
-  file(STRINGS "${PROJECT_SOURCE_DIR}/${header}" lines REGEX "^[ \t]*#[ \t]*include[ \t]*\"")
-  foreach(line ${lines})
-    string(REGEX REPLACE "^[ \t]*#[ \t]*include[ \t]*\"([^\"]*).*" "\\1" included "${line}")
-    gonogo_follow_header("${included}")
-  endforeach()
-endfunction()
-
-file(GLOB faces RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/include/gonogo/*.h")
-foreach(face ${faces})
-  gonogo_follow_header("${face}")
-endforeach()
-get_property(headers GLOBAL PROPERTY gonogo_public_headers)
-foreach(header ${headers})
-  get_filename_component(folder "${header}" DIRECTORY)
-  if(folder STREQUAL "include/gonogo")
-    set(folder "")
-  endif()
-  install(FILES "${PROJECT_SOURCE_DIR}/${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/gonogo/${folder}")
-endforeach()
-
-# Libraries, each in the export set of its component.
-get_property(libraries GLOBAL PROPERTY gonogo_libraries)
-set(installed_components "")
-foreach(library ${libraries})
-  get_target_property(folder gonogo_${library} SOURCE_DIR)
-  file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}" "${folder}")
-  set(component "")
-  foreach(candidate ${gonogo_components})
-    foreach(root ${folders_${candidate}})
-      if(folder STREQUAL root OR folder MATCHES "^${root}/")
-        set(component ${candidate})
-      endif()
-    endforeach()
-  endforeach()
-  if(DEFINED component_of_${library})
-    set(component ${component_of_${library}})
-  endif()
-  if(component)
-    set_target_properties(gonogo_${library} PROPERTIES EXPORT_NAME ${library})
-    target_include_directories(gonogo_${library} INTERFACE
-      "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/gonogo>")
-    install(TARGETS gonogo_${library} EXPORT gonogo-${component} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
-    list(APPEND installed_components ${component})
-  endif()
-endforeach()
-list(REMOVE_DUPLICATES installed_components)
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/gonogo" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.h")
 
 set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/gonogo")
-foreach(component ${installed_components})
-  install(EXPORT gonogo-${component} NAMESPACE gonogo:: FILE gonogo-${component}-targets.cmake DESTINATION "${package_folder}")
+set(gonogo_installed "")
+foreach(face ${faces})
+  if(TARGET gonogo_face_${face})
+    list(APPEND gonogo_installed ${face})
+  endif()
+endforeach()
+foreach(set ${gonogo_sets})
+  foreach(library ${set_${set}})
+    if(TARGET gonogo_${library})
+      string(REGEX REPLACE "^face_" "" exported "${library}")
+      if(exported STREQUAL library)
+        set(exported internal_${library})
+      endif()
+      set_target_properties(gonogo_${library} PROPERTIES EXPORT_NAME ${exported})
+      install(TARGETS gonogo_${library} EXPORT gonogo-${set} ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+    endif()
+  endforeach()
+  if(NOT set STREQUAL "maps" OR GONOGO_GDAL)
+    install(EXPORT gonogo-${set} NAMESPACE gonogo:: FILE gonogo-${set}-targets.cmake DESTINATION "${package_folder}")
+  endif()
 endforeach()
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/gonogoConfig.cmake.in" "${CMAKE_CURRENT_BINARY_DIR}/gonogoConfig.cmake"
   INSTALL_DESTINATION "${package_folder}")

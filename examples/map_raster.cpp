@@ -5,21 +5,14 @@
 #include <cstdio>
 #include <exception>
 
-using namespace gonogo;
+using namespace gonogo::api;
 
 int main(int argc, char** argv) try {
   if (argc != 5) throw InputError("usage: map_raster <model> <elevation.tif> <soil> <folder>");
-  map::MapFiles files;
-  files.model = argv[1];
-  files.dem = argv[2];
-  files.soil = argv[3];
-  files.out = argv[4];
-  const map::MapSummary map = map::make_map(map::read_map_request(files));
+  const MapSummary map = make_map({.model = argv[1], .dem = argv[2], .soil = argv[3], .out = argv[4]});
 
   std::printf("%.2f km2:", map.area_km2);
-  using campaign::Verdict;
-  for (const Verdict verdict : {Verdict::go, Verdict::slow_go, Verdict::no_go, Verdict::unknown})
-    std::printf("  %s %.1f %%", campaign::contract().info(verdict).label.c_str(), 100 * map.area.share(verdict));
+  for (const auto& [verdict, share] : map.share) std::printf("  %s %.1f %%", label_of(verdict).c_str(), 100 * share);
   std::printf("\n");
   for (const std::string& remark : map.remarks) std::printf("%s\n", remark.c_str());
   for (const auto& file : map.files) std::printf("%s\n", file.c_str());

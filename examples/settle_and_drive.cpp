@@ -1,6 +1,5 @@
-// Settles a bed of grains, sets a driven wheel on it, and drives it: settle_and_drive <wheel.json> [<frames folder>]
-// With a folder, every tenth of a second becomes a VTK file that ParaView opens.
-#include <gonogo/sim.h>
+// Settles a bed of grains, sets a driven wheel on it, and drives it: settle_and_drive [<vehicle> [<frames folder>]]
+// The vehicle is a quarter, as a file or by name. Every tenth of a second becomes a VTK file that ParaView opens.
 #include <gonogo/terrain.h>
 #include <gonogo/vehicle.h>
 
@@ -8,47 +7,38 @@
 #include <exception>
 #include <optional>
 
-using namespace gonogo;
+using namespace gonogo::api;
 
 int main(int argc, char** argv) try {
-  if (argc < 2) throw InputError("usage: settle_and_drive <wheel.json> [<frames folder>]");
-  const vehicle::Vehicle quarter = vehicle::read_quarter_vehicle(argv[1]);
-  const vehicle::Wheel& wheel = quarter.wheel.front();
-  constexpr int kThreads = 2;
-
-  terrain::BedSpec spec;  // [m]; coarse grains, so that the example takes seconds
-  spec.length = 3;
+  const Vehicle quarter = Vehicle::read(argc > 1 ? argv[1] : "hmmwv_quarter");
+  // Grains of 90 mm are coarse, so that the example takes seconds.
+  const SoilGrains soil = SoilTable::read("calibration_90mm").grains({.friction_angle = 38});
+  BedSettings spec = soil.bed;
+  spec.length = 3;  // [m]
   spec.width = 0.7;
-  spec.depth = 0.3;
-  const terrain::Packing packing = terrain::settle_packing(spec, kThreads);
-  std::printf("%zu grains settled, %.0f %% solid\n", packing.grain.size(), 100 * packing.solid_fraction);
+  const Bed bed = Bed::settle(spec, 2);
+  std::printf("%d grains settled, %.0f %% solid\n", bed.grain_count(), 100 * bed.solid_fraction());
 
-  sim::PairLaw law;
-  law.friction = 0.6f;
-  law.rolling_friction = 0.2f;
-  sim::SceneWorld world = terrain::bed_world(packing, {law, law}, 2);
-  const double axle_height = terrain::highest_point(packing) + wheel.radius + wheel.lug_height;
-  const vehicle::EngineVehicle bodies =
-      vehicle::add_vehicle(world, quarter, {0.8, spec.width / 2, axle_height}, terrain::tool_material);
-  const double torque = vehicle::largest_drive_torque(quarter);  // [N m]
-  const auto settings = terrain::bed_step_settings(spec.grain_diameter, 1e-3, 50);
-  const auto simulation = sim::make_simulation(sim::Backend::cpu, {world}, settings, kThreads);
-
-  std::optional<sim::VtkSeries> frames;
+  World world = bed.world(soil.law, soil.law);
+  const PlacedVehicle wheel = place(world, quarter, {0.8, spec.width / 2, bed.highest_point()}, kToolMaterial);
+  StepSettings settings = bed.step_settings();
+  settings.threads = 2;
+  Simulation simulation({world}, settings);
+  std::optional<VtkFrames> frames;
   if (argc > 2) frames.emplace(argv[2], world);
-  const Real rim_speed = 1;  // [m/s]
-  const double start = simulation->body(0, bodies.wheel.front()).position.x;
+
+  const double start = simulation.body(wheel.chassis()).position.x;
   double travelled = 0, before = start;
   for (int tenth = 1; tenth <= 25; ++tenth) {
-    if (tenth == 6) simulation->set_motor(0, bodies.drive_motor.front(), rim_speed / Real(wheel.radius), Real(torque));
-    simulation->advance(100);
-    if (frames) frames->write(sim::capture_world(*simulation, 0));
-    const double now = simulation->body(0, bodies.wheel.front()).position.x, moved = now - before;
+    if (tenth == 6) wheel.set_rim_speed(simulation, 1);  // [m/s]
+    simulation.step(100);
+    if (frames) frames->write(simulation);
+    const double now = simulation.body(wheel.chassis()).position.x, moved = now - before;
     travelled += moved < -spec.length / 2 ? moved + spec.length : moved;  // the bed is periodic along x
     before = now;
-    const sim::StepReport report = simulation->report(0);
+    const StepReport report = simulation.report();
     std::printf("%.1f s  %+.2f m  torque %.0f N m  residual %.1e m/s\n", report.time, travelled,
-                simulation->motor_torque(0, bodies.drive_motor.front()), report.rms_residual);
+                simulation.motor_torque(wheel.drive_motors().front()), report.rms_residual);
   }
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -5,36 +5,26 @@
 
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 
-using namespace gonogo;
+using namespace gonogo::api;
 
 int main(int argc, char** argv) try {
   if (argc != 3) throw InputError("usage: train_and_anneal <dataset.h5> <folder>");
-  const std::filesystem::path dataset = argv[1], folder = argv[2];
+  const std::filesystem::path folder = argv[2];
   std::filesystem::create_directories(folder);
   const auto model = folder / "model.h5", problem = folder / "problem.json", answer = folder / "answer.json";
-
-  outcome::TrainRequest request;
-  request.dataset = dataset;
-  request.model = model;
-  request.seed = 1;
-  std::printf("%s", outcome::report_text(outcome::train_model(request)).c_str());
+  std::printf("%s", train({.dataset = argv[1], .model = model}).text.c_str());
 
   // Which outcomes and other variables go with twelve degrees uphill?
-  const double penalty = 8;  // energy of bit patterns that are no code word
-  outcome::export_problem(model, problem, {{"slope_along", 12}}, learning::Vartype::binary, {}, penalty);
+  const Values question{{"slope_along", 12}};
+  export_problem({.model = model, .problem = problem, .clamped = question, .code_penalty = 8});
+  sample_file(problem, answer, {.name = "tempering"}, {.count = 2000});
 
-  learning::SampleRequest reads;
-  reads.reads = 2000;
-  reads.seed = 1;
-  outcome::sample_problem(problem, answer, *learning::make_sampler("tempering"), reads);
-
-  outcome::ImportRequest import;
-  import.problem = problem;
-  import.answer = answer;
-  import.model = model;
-  std::printf("%s\n", outcome::to_json(outcome::import_answer(import)).dump(2).c_str());
+  const ImportedAnswer read = import_answer({.problem = problem, .answer = answer, .model = model});
+  std::printf("%.0f reads, %.0f valid, bias: %s\n", read.reads, read.valid, read.bias.c_str());
+  for (const ReadOutcome& outcome : read.outcomes)
+    std::printf("%-24s %.3f +- %.3f\n", outcome.name.c_str(), outcome.frequency, outcome.standard_error);
+  std::printf("P(go) of the model itself: %.3f\n", Model::read(model).p_go(question));
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

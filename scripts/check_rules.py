@@ -128,6 +128,23 @@ def one_index(tree):
 
 
 @rule
+def public_headers(tree):
+    """What is installed stands on itself, and nothing inside stands on it."""
+    for name in tree.sources():
+        for number, line in enumerate(tree.text(name).split("\n"), 1):
+            included = re.match(r'\s*#\s*include\s*([<"])([^>"]*)', line)
+            if not included:
+                continue
+            bracket, header = included.groups()
+            ours = bracket == "<" and header.startswith("gonogo/")
+            standard = bracket == "<" and re.fullmatch(r"[a-z_]+", header)
+            if name.startswith("include/") and not standard and not (ours and f"include/{header}" in tree.files):
+                yield f"{name}:{number}: includes {header}; a public header includes the standard library and <gonogo/...> only"
+            if ours and not name.startswith(("include/", "pipeline/face/", "tests/face/", "examples/")):
+                yield f"{name}:{number}: includes {header}, which is for users; include the header inside"
+
+
+@rule
 def strict_arithmetic(tree):
     names = [name for name in tree.files if name.endswith(("CMakeLists.txt", ".cmake", "CMakePresets.json"))]
     for place in tree.find(names, r"fast-math|use_fast_math|Ofast|fmad=true|ffp-contract=(on|fast)"):

@@ -25,6 +25,7 @@ PLANTED = {
     "own_header_first": {"sim/a.h": "void f();\n", "sim/a.cpp": '#include <vector>\n#include "sim/a.h"\n'},
     "compiler_switch": {"sim/a.h": "#ifdef __CUDACC__\n#endif\n"},
     "one_index": {"sim/a.cpp": "using Eigen::Index;\n"},
+    "public_headers": {"include/gonogo/a.h": '#include "sim/a.h"\n', "base/a.cpp": "#include <gonogo/a.h>\n"},
     "strict_arithmetic": {"sim/CMakeLists.txt": "target_compile_options(sim PRIVATE -ffast-math)\n"},
     "exceptions": {"sim/a.cpp": 'void f() { throw std::runtime_error("no"); }\n'},
     "whole_files": {"sim/a.cpp": 'std::ofstream file("x");\n'},

@@ -1,0 +1,72 @@
+// Of include/gonogo/learn.h: what needs LibTorch.
+#include <gonogo/learn.h>
+#include "base/files/shipped.h"
+#include "pipeline/campaign/study/study.h"
+#include "pipeline/face/inside.h"
+#include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/evaluation/evaluate_model.h"
+#include "pipeline/outcome/training/train_model.h"
+
+namespace gonogo::api {
+namespace {
+
+std::vector<Score> scores_of(const outcome::Scores& scores) {
+  std::vector<Score> result;
+  for (const auto& [name, s] : scores.of)
+    result.push_back({.of = name,
+                      .brier = {s.brier.low, s.brier.high},
+                      .brier_score = s.brier.value,
+                      .log_loss = s.log_loss.value,
+                      .accuracy = s.accuracy,
+                      .calibration_error = s.calibration_error});
+  return result;
+}
+
+outcome::TrainRequest request_of(const TrainRequest& request) {
+  outcome::TrainRequest result;
+  result.dataset = request.dataset;
+  result.model = request.model;
+  result.others = request.others;
+  result.seed = request.seed.value_or(1);
+  result.hold_out = request.hold_out;
+  result.members_follow = request.members > 0;
+  if (request.study.empty()) return result;
+  const campaign::Study study = campaign::read_study(shipped_file("studies", "study", request.study));
+  if (!request.seed) result.seed = study.seed;
+  result.learning = study.config.object_if("learning");
+  result.design = study.config.object_if("design");
+  return result;
+}
+
+}  // namespace
+
+TrainReport train(const TrainRequest& request) {
+  return guarded([&] {
+    const outcome::TrainRequest asked = request_of(request);
+    const outcome::TrainingReport r = outcome::train_model(asked);
+    TrainReport result{.trials = r.counts.trials,
+                       .trained_on = r.counts.trained_on,
+                       .unknown = r.counts.unknown,
+                       .held_out = r.counts.held_out,
+                       .epochs = r.epochs,
+                       .scores = scores_of(r.cross_validation),
+                       .text = outcome::report_text(r)};
+    if (request.members > 0) result.members = outcome::train_members(asked, request.members);
+    return result;
+  });
+}
+
+Evaluation evaluate(const std::string& model, const std::filesystem::path& dataset) {
+  return guarded([&] {
+    const outcome::Evaluation e = outcome::evaluate_model(map::find_model(model), dataset);
+    Evaluation result{.trials = e.trials,
+                      .trained_on = e.trained_on,
+                      .unknown = e.unknown,
+                      .scores = scores_of(e.scores),
+                      .text = outcome::evaluation_text(e)};
+    for (const outcome::Criterion& c : e.checks) result.checks.push_back({c.what, c.holds, c.value, c.limit});
+    return result;
+  });
+}
+
+}  // namespace gonogo::api
