@@ -1,7 +1,8 @@
 // Shared by all headers of include/gonogo: errors, vectors, named values, files that ship.
 //
-// Public names live in namespace gonogo::api; all else in the library's archives is internal and may change. Units are
-// SI and radians unless a comment says otherwise. A function that takes a file throws InputError when it cannot use it.
+// Public names live in namespace gonogo::api; all else in the library's archives is internal and may change, and so are
+// Impl and impl() of classes. Units are SI and radians unless a comment says otherwise. A function that takes a file
+// throws InputError when it cannot use it.
 #pragma once
 #include <cstdint>
 #include <filesystem>

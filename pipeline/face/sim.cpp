@@ -244,7 +244,8 @@ double Simulation::motor_torque(int motor, int world) const {
 }
 
 Snapshot Simulation::snapshot(int world) const {
-  return guarded([&] { return Snapshot(std::make_shared<Snapshot::Impl>(impl_->at(world).snapshot(world))); });
+  return guarded(
+      [&] { return Snapshot(std::make_shared<Snapshot::Impl>(Snapshot::Impl{impl_->at(world).snapshot(world)})); });
 }
 void Simulation::restore(const Snapshot& snapshot, int world) {
   guarded([&] { impl_->at(world).restore(world, snapshot.impl().state); });
@@ -268,7 +269,7 @@ struct VtkFrames::Impl {
   sim::VtkSeries series;
 };
 VtkFrames::VtkFrames(const std::filesystem::path& folder, const World& world)
-    : impl_(guarded([&] { return std::make_unique<Impl>(sim::VtkSeries(folder, world.impl().scene)); })) {}
+    : impl_(guarded([&] { return std::make_unique<Impl>(Impl{sim::VtkSeries(folder, world.impl().scene)}); })) {}
 VtkFrames::VtkFrames(VtkFrames&&) noexcept = default;
 VtkFrames::~VtkFrames() = default;
 void VtkFrames::write(const Simulation& simulation, int world) {

@@ -78,7 +78,7 @@ TEST_CASE("a model's problem goes over an annealer's qubits and comes back as ou
   const EmbedResult laid = embed({.problem = problem, .out = embedded, .dead_share = 0.02});
   CHECK(laid.qubits > laid.variables);
   CHECK(laid.chain_strength > 0);
-  const SampleReport emulated = sample_emulated(problem, answer, {.dead_share = 0.02}, {.count = 400, .sweeps = 200});
-  CHECK(emulated.reads == 400);
+  const SampleReport emulated = sample_emulated(problem, answer, {.dead_share = 0.02}, {.count = 100, .sweeps = 100});
+  CHECK(emulated.reads == 100);
   CHECK(emulated.energy_lowest <= emulated.energy_mean);
 }
