@@ -69,8 +69,10 @@ struct ContactWriter {
 
   GONOGO_HD void write(ContactIndex at, ShapeIndex i, ShapeIndex j, int feature, const Touch& t, const Vec3d& d) const {
     GONOGO_ASSERT(is_unit(t.normal) && !(t.gap > settings.envelope));
-    const Contact c = make_contact(i, j, feature, t, d);
+    Contact c = make_contact(i, j, feature, t, d);
     const Impulse start = warm_start(i, j, feature);
+    c.gap = counted_gap(c.gap, c.gap_rate, c.softness * dot(start.linear, c.normal), settings);
+    c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
     store_words(contact[at], c);
     key[at] = pair_key(j, feature);
     impulse[at] = start;
@@ -89,6 +91,7 @@ struct ContactWriter {
 
   /// A compliant contact is a spring and damper along the normal, implicit in the gap's rate u:
   ///   impulse = -h (k (gap + h u) + c u)   <=>   u + impulse / (h (h k + c)) + k gap / (h k + c) = 0.
+  /// A contact whose law is rigid may have numerical give, see counted_gap.
   GONOGO_HD void set_stiffness(Contact& c, const PairLaw& law) const {
     const Real step = settings.substep();
     c.gap_rate = 1 / step;
@@ -97,8 +100,11 @@ struct ContactWriter {
       const Real resistance = step * law.stiffness + law.damping;  // [N s/m]
       c.gap_rate = law.stiffness / resistance;
       c.softness = 1 / (step * resistance);
+    } else if (settings.give > 0) {
+      c.gap_rate = settings.give_rate();
+      c.softness = settings.give * (mobility(find.mass[c.body_a], c.arm_a, c.normal) +
+                                    mobility(find.mass[c.body_b], c.arm_b, c.normal));
     }
-    c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
   }
 
   /// `d`: from the other shape's centre to the owner's. A grain rolls freely on a lug, which is thin and so has little
@@ -115,7 +121,6 @@ struct ContactWriter {
     Contact c;
     c.normal = t.normal;
     c.gap = t.gap;
-    set_stiffness(c, law);
     // The contact point is midway between the two surfaces.
     c.arm_a = static_cast<Vec3>(find.centre[i] - position[si.body]) + t.point;
     c.arm_b = static_cast<Vec3>(find.centre[j] - position[sj.body] + d) + t.point;
@@ -128,6 +133,7 @@ struct ContactWriter {
     c.body_a = si.body;
     c.body_b = sj.body;
     c.world = w;
+    set_stiffness(c, law);
     return c;
   }
 

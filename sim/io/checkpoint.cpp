@@ -34,7 +34,7 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(PenaltyLaw) == 28 && sizeof(StepSettings) == 80 && sizeof(Shape) == 68 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(PenaltyLaw) == 28 && sizeof(StepSettings) == 88 && sizeof(Shape) == 68 &&
                   sizeof(Motor) == 40 && sizeof(Attachment) == 44 && sizeof(Joint) == 104 &&
                   sizeof(SpringDamper) == 376 && sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 &&
                   sizeof(BodyState) == 64 && sizeof(ForceElement) == 80 && sizeof(Controller) == 152 &&
@@ -82,6 +82,7 @@ std::int32_t number_of(ContactLaw contact, Iteration iteration) {
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
     << number_of(s.contact, s.iteration) << s.target << s.substeps << s.sort_every << s.max_slowed;
+  if (s.give > 0) b << s.give << s.give_share;  // only then, so that older checkpoints are known again
 }
 
 void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }

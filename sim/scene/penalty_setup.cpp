@@ -190,6 +190,9 @@ void check_penalty(const SceneWorld& world, std::size_t w, const StepSettings& s
   if (settings.substeps != 1)
     throw InputError("the substeps are " + std::to_string(settings.substeps) +
                      "; penalty contact takes whole steps, so set 1 and divide the step by them");
+  if (settings.give > 0)
+    throw InputError("the give is " + number_text(double(settings.give)) +
+                     "; penalty contact has springs of its own, so set 0");
   const CriticalStep critical = critical_step(world, settings);
   if (double(settings.step) > critical.step * (1 + 1e-6))
     throw InputError("world " + std::to_string(w) + ": the step is " + number_text(double(settings.step)) +

@@ -70,7 +70,7 @@ struct BatchArrays {
     p.motor_count = Index(flat[w].mechanisms.motor.size());
     state.world.write(w, p);
     if (state.remembers) state.penalty.write(w * kPenaltyPairs, penalty_numbers(*flat[w].scene, settings_));
-    bool turning = state.turning;
+    bool turning = state.turning || settings_.give > 0;  // only kernels that turn know softness
     for (const auto& row : p.law)
       for (const PairLaw& law : row)
         turning = turning || law.rolling_friction > 0 || law.spinning_friction > 0 || law.stiffness > 0;

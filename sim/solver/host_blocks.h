@@ -190,6 +190,8 @@ struct UpdateTile {
   }
 };
 
+inline Vec3 lane_of(const Vec3T<Pack>& v, Index lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
+
 /// Moves the gaps of a tile on, if its world begins another substep.
 struct AdvanceTile {
   Tiles tiles;
@@ -198,16 +200,20 @@ struct AdvanceTile {
   View<const Velocity> substep_velocity;
   View<const Momentum> momentum;
   StepSettings settings;
+  Index parity;  // which of a block's impulses is the latest
 
   void operator()(Index tile) const {
-    if (!momentum[tiles.tile[tile].world].begins) return;
+    const Momentum& m = momentum[tiles.tile[tile].world];
+    if (!m.begins) return;
+    GONOGO_ASSERT(!m.done && parity == (m.updates & 1));
     const ContactRange range = tiles.contacts(tile);
     for (ContactIndex i = range.begin; i < range.end; ++i) {
       const Index in_tile = i - range.begin, lane = in_tile % kPackWidth;
       ContactBlock& b = block[tile * kBlocksPerTile + in_tile / kPackWidth];
       Contact& c = contact[i];
       GONOGO_ASSERT(c.body_a == b.body_a[lane] && c.body_b == b.body_b[lane]);
-      advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], settings);
+      advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], lane_of(b.impulse[parity].linear, lane),
+                  settings);
       b.numbers.bias[lane] = b.gap_bias[lane] = c.bias;
     }
   }

@@ -16,10 +16,7 @@ inline ContactNumbers<Real> lane_of(const ContactNumbers<Pack>& numbers, Index l
 }
 
 inline Impulse lane_of(const ImpulseT<Pack>& p, Index lane) {
-  return {{p.linear.x[lane], p.linear.y[lane], p.linear.z[lane]},
-          0,
-          {p.angular.x[lane], p.angular.y[lane], p.angular.z[lane]},
-          0};
+  return {lane_of(p.linear, lane), 0, lane_of(p.angular, lane), 0};
 }
 
 inline void set_lane(ImpulseT<Pack>& p, Index lane, const Impulse& to) {

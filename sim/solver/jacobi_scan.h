@@ -137,7 +137,7 @@ struct UpdateByScan {
     Contact& c = contact[i];
     const Momentum& m = momentum[c.world];
     if (m.done) return;
-    if (m.begins) advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], settings);
+    if (m.begins) advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], impulse[i].linear, settings);
     const Velocity a = velocity[c.body_a], b = velocity[c.body_b];
     if (m.renew_slip) c.bias = c.gap_bias + opening_speed<turning, Real>(c, a, b);
     const ContactNumbers<Real> numbers = c;

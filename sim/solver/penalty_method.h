@@ -285,6 +285,7 @@ void measure_penalty(Exec exec, State<Exec>& s, PenaltyStorage<Exec>& own) {
 template <class Exec>
 void solve_by_penalty(Exec exec, State<Exec>& s, PenaltyStorage<Exec>& own, const StepSettings& settings) {
   GONOGO_ASSERT(is_penalty(settings.contact) && s.remembers && settings.substeps == 1);
+  GONOGO_ASSERT(settings.give <= 0);
   GONOGO_ASSERT(own.wrench_a.size() == s.contact_capacity && own.wrench_b.size() == s.contact_capacity);
   with_penalty_law(settings.contact, [&](auto law) {
     for_each_counted(exec, contact_count(s), contact_push<decltype(law)>(s, own, settings));

@@ -164,12 +164,17 @@ inline void carry_bodies(Cpu exec, State<Cpu>& s) {
   project_mechanisms(exec, s, false, true);
 }
 
-inline void advance_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count,
+inline void advance_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity,
                           const StepSettings& settings) {
-  for_each_index(
-      exec, tile_count,
-      AdvanceTile{tiles(s), s.contact.view(), own.block.view(), s.substep_velocity.view(), s.momentum.view(), settings},
-      kTilesInParallel);
+  for_each_index(exec, tile_count,
+                 AdvanceTile{.tiles = tiles(s),
+                             .contact = s.contact.view(),
+                             .block = own.block.view(),
+                             .substep_velocity = s.substep_velocity.view(),
+                             .momentum = s.momentum.view(),
+                             .settings = settings,
+                             .parity = parity},
+                 kTilesInParallel);
 }
 
 /// Decides the next update of every world.
@@ -305,7 +310,7 @@ void iterate(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const StepSetting
   gather(exec, s, own, true);
   for (Index k = 0; !all_done(s, s.momentum.view()); ++k) {
     GONOGO_ASSERT(k < std::int64_t(rules.substeps) * rules.max_iterations + rules.substeps);
-    if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, own, tile_count, settings);
+    if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, own, tile_count, k & 1, settings);
     s.turning ? Method::template update<true>(exec, s, own, tile_count, k & 1)
               : Method::template update<false>(exec, s, own, tile_count, k & 1);
     for_each_index(exec, s.mechanisms.motor.size(), motor_update(s, own.motor_before.view(), settings));

@@ -175,9 +175,11 @@ GONOGO_HD_INLINED Real advanced_gap(Real gap, const ContactNumbers<Real>& c, con
   return gap + substep * dot(c.normal, contact_velocity<Real>(c, a, b));
 }
 
-/// The same for the contact itself, and the bias that follows.
-GONOGO_HD_INLINED void advance_gap(Contact& c, const Velocity& a, const Velocity& b, const StepSettings& settings) {
-  c.gap = advanced_gap(c.gap, c, a, b, settings.substep());
+/// The same for the contact itself, and the bias that follows. `impulse`: the linear part of its present impulse.
+GONOGO_HD_INLINED void advance_gap(Contact& c, const Velocity& a, const Velocity& b, const Vec3& impulse,
+                                   const StepSettings& settings) {
+  c.gap = counted_gap(advanced_gap(c.gap, c, a, b, settings.substep()), c.gap_rate, c.softness * dot(impulse, c.normal),
+                      settings);
   c.bias = c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
 }
 

@@ -112,8 +112,8 @@ struct alignas(16) Contact : ContactNumbers<Real> {
   Real unsplit;   // step * unsplit: the metric without mass splitting, in which the residual is measured [-]
   Real gap_bias;  // bias without the term of the `coulomb` target [m/s]
   WorldIndex world;
-  Real gap;       // at the start of the substep [m]
-  Real gap_rate;  // bias per metre of an open gap, or of any gap of a compliant contact [1/s]
+  Real gap;       // at the start of the substep; of a contact with give, what counts of it, see counted_gap [m]
+  Real gap_rate;  // bias per metre of an open gap, or of any gap of a compliant contact or one with give [1/s]
 };
 
 /// Impulse of a contact on body a (body b gets the opposite); padded to 32 bytes so that loads are aligned.

@@ -116,7 +116,7 @@ struct State {
   // Set by the host when worlds enter the batch.
   Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
   bool solids_binned = false;                               // some binned shape has been no sphere
-  bool turning = false;                                     // some law resists rolling or spinning, or is compliant
+  bool turning = false;                                     // some law resists rolling or spinning, or contacts give
   bool remembers = false;                                   // contacts have a history
   Buffer<WorldParameters, Exec> world;                      // [world], also when gravity or a law changes
   Buffer<WorldIndex, Exec> world_of_body;                   // [body]

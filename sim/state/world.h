@@ -45,6 +45,8 @@ struct StepSettings {
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
   Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
+  Real give = 0;                  // of contacts whose law is rigid, see counted_gap [-]; 0: none
+  Real give_share = 0.1f;         // share of an overlap that a contact with give is pushed out of in a substep
   ContactLaw contact = ContactLaw::complementarity;
   Iteration iteration = Iteration::apgd;  // the next two: of complementarity
   Target target = Target::ccp;
@@ -61,6 +63,12 @@ struct StepSettings {
     return step / Real(substeps);
   }
 
+  /// Bias per metre of gap of a contact with give [1/s].
+  GONOGO_HD Real give_rate() const {
+    GONOGO_ASSERT(give > 0 && give_share > 0 && give_share <= 1);
+    return give_share / substep();
+  }
+
   ContactMethod method() const { return {contact, iteration}; }
 
   GONOGO_HD IterationRules rules() const { return {iteration, target, iterations, tolerance, substeps}; }
@@ -70,11 +78,28 @@ struct StepSettings {
 /// overlap opens at a limited speed; a compliant contact gets the resting speed of its spring and damper. `rate`,
 /// `softness`: see Contact.
 GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const StepSettings& settings) {
-  GONOGO_ASSERT(rate > 0 && softness >= 0);
+  GONOGO_ASSERT(rate > 0 && !(softness < 0));
   const Real bias = rate * gap;
   if (softness > 0 || gap >= 0) return bias;
   const Real push_out = settings.recovery_share * bias;
   return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+}
+
+/// Rigid contacts with few updates in a substep are unstable. An overlap pushes with a delay, so slow modes of many
+/// grains grow until friction limits them, and the bed creeps. A contact with give is a damped spring that the updates
+/// can follow. It is stable if the part of its softness that one update takes in, give * step.n * mobility, is above
+/// 0.02 for two updates in a substep and above 0.05 for one. With `give` = 0.6 that part is 0.12 for a grain with six
+/// loaded neighbours and 0.06 for one with twelve. The stiffness is give_share / (give * mobility * substep^2)
+/// (docs/log/creep.md).
+///
+/// Returns how much of a gap counts. What an overlap exceeds its impulse by is pushed out no faster than
+/// recovery_speed, as with rigid contacts; a deeper part does not count yet. `rate`: of the contact; `held`: its
+/// softness times its normal impulse [m/s].
+GONOGO_HD inline Real counted_gap(Real gap, Real rate, Real held, const StepSettings& settings) {
+  if (settings.give <= 0 || rate != settings.give_rate()) return gap;
+  const Real deepest = -((held > 0 ? held : Real(0)) + settings.recovery_speed) / rate;
+  GONOGO_ASSERT(!(deepest > 0));
+  return gap < deepest ? deepest : gap;
 }
 
 struct WorldParameters {
@@ -105,6 +130,17 @@ struct BodyMass {
 GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
   const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
   return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
+}
+
+/// Change of the normal speed of a contact point on the body by a unit normal impulse, approximately [1/kg].
+GONOGO_HD inline Real mobility(const BodyMass& mass, const Vec3& arm, const Vec3& normal) {
+  const Vec3 &l = mass.inverse_mass, &i = mass.inverse_inertia_B, off_centre = cross(arm, normal);
+  const Real aside = dot(off_centre, off_centre);
+  const bool central = aside < Real(1e-6) * dot(arm, arm);
+  const Real by_turning = central ? Real(0) : aside * std::fmax(i.x, std::fmax(i.y, i.z));
+  const Real result = dot(scale(l, normal), normal) + by_turning;
+  GONOGO_ASSERT(!(result < 0));
+  return result;
 }
 
 /// A shape that is not binned, and its bounding box of this step.

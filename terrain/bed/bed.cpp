@@ -420,6 +420,7 @@ sim::StepSettings step_settings(double grain_diameter, const Numerics& n) {
   sim::StepSettings s = bed_step_settings(grain_diameter, n.step, n.iterations, n.tolerance);
   s.substeps = n.substeps;
   s.target = n.target;
+  s.give = Real(n.give);
   if (!sim::is_penalty(n.contact)) return s;
   s.contact = n.contact;
   s.penalty =
@@ -431,7 +432,8 @@ std::string description(const Numerics& n) {
   if (sim::is_penalty(n.contact))
     return line("step %g s, %s, overlaps to %g of a radius", n.step, sim::name_of(n.contact), n.overlap);
   return line("step %g s, %d x %d updates to %g m/s%s", n.step, n.substeps, n.iterations, n.tolerance,
-              n.target == sim::Target::coulomb ? ", coulomb" : "");
+              n.target == sim::Target::coulomb ? ", coulomb" : "") +
+         (n.give > 0 ? line(", give %g", n.give) : "");
 }
 
 void write_numerics(Json& object, const Numerics& n) {
@@ -440,6 +442,7 @@ void write_numerics(Json& object, const Numerics& n) {
   object["iterations"] = n.iterations;
   object["tolerance_m_per_s"] = n.tolerance;
   if (n.target != sim::Target::ccp) object["target"] = sim::name_of(n.target);
+  if (n.give > 0) object["give"] = n.give;
   if (!sim::is_penalty(n.contact)) return;
   object["contact"] = sim::name_of(n.contact);
   object["overlap"] = n.overlap;
@@ -452,6 +455,7 @@ Numerics read_numerics(const Json& object) {
   n.iterations = int(object.at("iterations").integer());
   n.tolerance = object.at("tolerance_m_per_s").number();
   if (const Json* target = object.find("target")) n.target = sim::target_named(target->string());
+  if (const Json* give = object.find("give")) n.give = give->number();
   if (const Json* contact = object.find("contact")) n.contact = sim::contact_named(contact->string());
   if (const Json* overlap = object.find("overlap")) n.overlap = overlap->number();
   return n;

@@ -94,7 +94,12 @@ struct Numerics {
   sim::ContactLaw contact =
       sim::ContactLaw::complementarity;  // or a law of the penalty family, which takes whole steps
   double overlap = 0.02;  // penalty: largest, as a share of the radius, in an impact at kOverlapSpeed [-]
+  double give = 0;        // of contacts of complementarity, see sim::counted_gap; 0: rigid [-]
 };
+
+/// Give with which two updates in each of 14 substeps of a millisecond hold a bed still and show its converged
+/// strength. Only for short substeps: the overlap under a stress grows with the square of their length.
+inline constexpr double kGive = 0.6;
 
 /// Speed of the impact for which penalty contact is made stiff enough [m/s].
 inline constexpr double kOverlapSpeed = 2;
@@ -103,7 +108,7 @@ inline constexpr double kPenaltyRestitution = 0.3;
 
 inline bool operator==(const Numerics& a, const Numerics& b) {
   return a.step == b.step && a.substeps == b.substeps && a.iterations == b.iterations && a.tolerance == b.tolerance &&
-         a.target == b.target && a.contact == b.contact && a.overlap == b.overlap;
+         a.target == b.target && a.contact == b.contact && a.overlap == b.overlap && a.give == b.give;
 }
 
 sim::StepSettings step_settings(double grain_diameter, const Numerics& n);
@@ -111,8 +116,8 @@ sim::StepSettings step_settings(double grain_diameter, const Numerics& n);
 /// "step 0.006 s, 14 x 2 updates to 0 m/s, coulomb"; without the target when it is ccp. Different numerics differ here.
 std::string description(const Numerics& n);
 
-/// Writes the keys of a study's `numerics`: step_s, substeps, iterations, tolerance_m_per_s, target unless ccp, and
-/// contact and overlap unless complementarity.
+/// Writes the keys of a study's `numerics`: step_s, substeps, iterations, tolerance_m_per_s, target unless ccp, give
+/// unless 0, and contact and overlap unless complementarity.
 void write_numerics(Json& object, const Numerics& n);
 /// Reads the same keys.
 Numerics read_numerics(const Json& object);

@@ -28,6 +28,8 @@ Numerics numerics_by_table(const Calibration& table, const std::filesystem::path
                      "friction angle belongs to them; give --step, --substeps, --iterations, --tolerance and --target, "
                      "in a study all of trial.numerics, or calibrate again");
   Numerics n = asked.complete() ? Numerics{} : read_numerics(table.provenance);
+  // The table's angles belong to its give too. Older tables state none and are rigid.
+  if (says_numerics(table.provenance)) n.give = read_numerics(table.provenance).give;
   n.step = asked.step.value_or(n.step);
   n.substeps = asked.substeps.value_or(n.substeps);
   n.iterations = asked.iterations.value_or(n.iterations);
@@ -35,7 +37,10 @@ Numerics numerics_by_table(const Calibration& table, const std::filesystem::path
   n.target = asked.target.value_or(n.target);
   n.contact = asked.contact.value_or(n.contact);
   n.overlap = asked.overlap.value_or(n.overlap);
-  if (sim::is_penalty(n.contact) && !asked.substeps) n.substeps = 1;
+  n.give = asked.give.value_or(n.give);
+  if (!sim::is_penalty(n.contact)) return n;
+  if (!asked.substeps) n.substeps = 1;
+  if (!asked.give) n.give = 0;
   return n;
 }
 

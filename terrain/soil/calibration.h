@@ -116,8 +116,9 @@ struct AskedNumerics {
   std::optional<sim::Target> target;
   std::optional<sim::ContactLaw> contact{};  // complementarity or a penalty law
   std::optional<double> overlap{};           // of a penalty law, see Numerics
+  std::optional<double> give{};              // of contacts, see Numerics
 
-  /// Whether the user gave all of them.
+  /// Whether the user gave all that every table states.
   bool complete() const { return step && substeps && iterations && tolerance && target; }
 };
 

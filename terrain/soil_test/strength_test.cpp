@@ -17,19 +17,23 @@ constexpr double kShearSample = 0.05;    // travel between samples, in grain dia
 constexpr double kRecovery = 0.03;       // speed at which overlaps are pushed out, in diameters per stress time
 constexpr double kNearLimit = 0.95;      // of the shear strength: beyond, its logarithm is noise
 constexpr double kShearPressTimes = 12;  // stress times under load before the plate moves
+constexpr double kPushTimes = 15;        // stress times in which the load along the plate of a creep test grows
 
 double stress_time(const BedSpec& s, double stress) {
   return terrain::stress_time(s.grain_diameter, s.grain_density, stress);
 }
 
-/// The plate: glued grains like the base's, one body on rails with the mass of the bed below it. It keeps its speed
-/// along x and is free along z only, where the load pushes it down.
-sim::BodyIndex add_shear_plate(sim::SceneWorld& world, const Packing& cell, const ShearSettings& settings) {
+/// The plate: glued grains like the base's, one body on rails with the mass of the bed below it. The load pushes it
+/// down. Along x it keeps its speed, unless it is `free`.
+sim::BodyIndex add_shear_plate(sim::SceneWorld& world, const Packing& cell, double normal_stress, bool free) {
+  GONOGO_ASSERT(normal_stress > 0);
   const BedSpec& s = cell.spec;
   const double area = s.length * s.width, mass = cell.solid_fraction * s.grain_density * area * s.depth;
   sim::BodyState state;
   state.position = {0, 0, highest_point(cell) + s.grain_diameter / 2};
-  const sim::BodyIndex plate = world.add_body(state, on_vertical_rails(mass));
+  sim::BodyMass rails = on_vertical_rails(mass);
+  if (free) rails.inverse_mass.x = rails.inverse_mass.z;
+  const sim::BodyIndex plate = world.add_body(state, rails);
   for (const Grain& g : cell.base) {
     sim::Shape shape;
     shape.body = plate;
@@ -40,10 +44,18 @@ sim::BodyIndex add_shear_plate(sim::SceneWorld& world, const Packing& cell, cons
   }
   sim::ForceElement load;
   load.body = plate;
-  load.force = {0, 0, Real(-settings.normal_stress * area)};
-  load.ramp = 4 * stress_time(s, settings.normal_stress);
+  load.force = {0, 0, Real(-normal_stress * area)};
+  load.ramp = 4 * stress_time(s, normal_stress);
   world.force.push_back(load);
   return plate;
+}
+
+/// `time`: the stress time; `speed`: of the plate [m/s].
+sim::StepSettings shear_numerics(const BedSpec& s, double step, double time, double speed, const TestPace& pace) {
+  GONOGO_ASSERT(time > 0);
+  sim::StepSettings numerics = test_settings(s.grain_diameter, step, speed, pace);
+  numerics.recovery_speed = Real(kRecovery * s.grain_diameter / time);
+  return numerics;
 }
 
 /// Steady stresses over the second half of the travel, peak of the running mean over half a diameter.
@@ -99,9 +111,8 @@ ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSett
   const double speed = settings.inertial_number * s.depth / time;
   sim::SceneWorld world = bed_world(cell, laws, 4 * s.grain_diameter);
   world.gravity = {};
-  const sim::BodyIndex plate = add_shear_plate(world, cell, settings);
-  sim::StepSettings numerics = test_settings(s.grain_diameter, h, speed, pace);
-  numerics.recovery_speed = Real(kRecovery * s.grain_diameter / time);
+  const sim::BodyIndex plate = add_shear_plate(world, cell, settings.normal_stress, false);
+  const sim::StepSettings numerics = shear_numerics(s, h, time, speed, pace);
   TestRun run("shear test", std::move(world), numerics, pace);
   run.advance(Index(kShearPressTimes * settings.steps_per_time));
   run.set_velocity(plate, {Real(speed), 0, 0});
@@ -119,6 +130,42 @@ ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSett
   r.dilation = r.curve.back().rise;
   r.worst_residual = run.worst_residual();
   if (scene) *scene = {run.world(), run.capture()};
+  return r;
+}
+
+CreepResult creep_test(const Packing& cell, const BedLaws& laws, const CreepSettings& settings, const TestPace& pace) {
+  const BedSpec& s = cell.spec;
+  if (!(settings.normal_stress > 0)) throw InputError("creep test: the normal stress must be above zero");
+  if (!(settings.time > 0)) throw InputError("creep test: the time must be above zero");
+  const double time = stress_time(s, settings.normal_stress), h = time / settings.steps_per_time;
+  sim::SceneWorld world = bed_world(cell, laws, 4 * s.grain_diameter);
+  world.gravity = {};
+  const sim::BodyIndex plate = add_shear_plate(world, cell, settings.normal_stress, true);
+  sim::ForceElement push;
+  push.body = plate;
+  push.force = {Real(settings.share * settings.normal_stress * s.length * s.width), 0, 0};
+  push.start = kShearPressTimes * time;
+  push.ramp = kPushTimes * time;
+  world.force.push_back(push);
+  TestRun run("creep test", std::move(world), shear_numerics(s, h, time, s.grain_diameter / settings.time, pace), pace);
+  double x = run.body(plate).position.x;
+  // One step at a time, so that the plate does not pass a period unseen.
+  const auto moved = [&](double seconds) {
+    double way = 0;
+    for (auto k = Index(std::lround(seconds / h)); k > 0; --k) {
+      run.advance(1);
+      const double now = run.body(plate).position.x;
+      way += std::remainder(now - x, s.length);
+      x = now;
+    }
+    return way / s.grain_diameter;
+  };
+  CreepResult r;
+  r.way = moved((kShearPressTimes + kPushTimes) * time) + moved(settings.time / 2);
+  const double late = moved(settings.time / 2);
+  r.way += late;
+  r.speed = late / (settings.time / 2);
+  r.worst_residual = run.worst_residual();
   return r;
 }
 

@@ -31,6 +31,20 @@ struct ShearResult {
   std::vector<ShearSample> curve;
 };
 
+/// A creep test: the plate of the same cell under a constant load along it that is too small to shear the bed steadily.
+struct CreepSettings {
+  double normal_stress = 10e3;  // [Pa]
+  double share = 0.36;          // of the shear stress in the normal stress [-]
+  double time = 1;              // under the whole load [s]
+  double steps_per_time = 10;   // in d sqrt(solid density / stress)
+};
+
+struct CreepResult {
+  double way = 0;             // of the plate while the load grew and stayed, in grain diameters
+  double speed = 0;           // in the second half of the time, in grain diameters a second
+  double worst_residual = 0;  // largest root-mean-square residual [m/s]
+};
+
 /// Spec of the cell of shear tests: ten by six grains, eight deep.
 BedSpec shear_cell(double grain_diameter, double settle_friction, std::uint64_t seed,
                    GrainShape shape = GrainShape::sphere);
@@ -40,6 +54,9 @@ Index shear_steps(const ShearSettings& settings);
 
 ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSettings& settings,
                        const TestPace& pace = {}, TestScene* scene = nullptr);
+
+CreepResult creep_test(const Packing& cell, const BedLaws& laws, const CreepSettings& settings,
+                       const TestPace& pace = {});
 
 /// tau = c + sigma tan(phi) through results at several loads. The line goes through the origin if there is one load.
 struct ShearStrength {

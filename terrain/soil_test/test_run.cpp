@@ -117,6 +117,7 @@ TestPace pace_of(const Numerics& n) {
   pace.substeps = n.substeps;
   pace.iterations = n.iterations;
   pace.target = n.target;
+  pace.give = n.give;
   pace.residual = n.tolerance;
   if (n.tolerance == 0) pace.tolerance = 0;
   return pace;
@@ -127,6 +128,7 @@ sim::StepSettings test_settings(double grain_diameter, double step, double speed
   sim::StepSettings s = bed_step_settings(grain_diameter, step, pace.iterations, residual);
   s.substeps = pace.substeps;
   s.target = pace.target;
+  s.give = Real(pace.give);
   return s;
 }
 

@@ -66,6 +66,7 @@ struct TestPace {
   double tolerance = 0.01;              // residual at which the solver stops, over the speed of the test
   double residual = 0;                  // the same in [m/s]; replaces `tolerance` if above zero
   sim::Target target = sim::Target::ccp;
+  double give = 0;  // of contacts, see Numerics
 };
 
 /// Pace with the numerics of trials. The step is not part of it: each kind of test has its own.

@@ -89,6 +89,10 @@ TEST_CASE("settings of the step that are out of range are refused") {
   CHECK(contains(settings_refusal([](StepSettings& s) { s.tolerance = -1; }), "the tolerance of the step"));
   CHECK(contains(settings_refusal([](StepSettings& s) { s.envelope = -1; }), "the envelope of the step"));
   CHECK(contains(settings_refusal([](StepSettings& s) { s.recovery_share = 1.5f; }), "the recovery share is 1.5"));
+  CHECK(contains(settings_refusal([](StepSettings& s) { s.give = -1; }), "the give of the step"));
+  CHECK(contains(settings_refusal([](StepSettings& s) { s.give = Real(kNan); }), "the give of the step"));
+  CHECK(contains(settings_refusal([](StepSettings& s) { s.give_share = 0; }), "the give share is 0"));
+  CHECK(contains(settings_refusal([](StepSettings& s) { s.give_share = 1.5f; }), "the give share is 1.5"));
 }
 
 TEST_CASE("a body that starts below the domain is flagged in its first step; a fixed one may lie there") {

@@ -143,7 +143,7 @@ TEST_CASE("saving what was loaded gives the same bytes") {
 TEST_CASE("every part of scene and numerics counts in the scene's hash") {
   const SceneWorld w = busy_world();
   const StepSettings s = settings();
-  std::vector<std::pair<SceneWorld, StepSettings>> variants(20, {w, s});
+  std::vector<std::pair<SceneWorld, StepSettings>> variants(21, {w, s});
   variants[1].first.gravity.x = 0.1f;
   variants[2].first.set_law(0, 1, {Real(0.71), 0, 0});
   variants[3].first.body[7].position.z += 1e-12;
@@ -163,9 +163,15 @@ TEST_CASE("every part of scene and numerics counts in the scene's hash") {
   variants[17].first.controller.push_back(braked(0));
   variants[18].first.controller.push_back(braked(1));
   variants[19].second.substeps = 2;
+  variants[20].second.give = 0.6f;
   std::vector<std::string> hashes;
   for (const auto& [scene, numerics] : variants) hashes.push_back(scene_hash(scene, numerics));
   CHECK(hashes[0] == scene_hash(busy_world(), settings()));
+  StepSettings other_share = s;
+  other_share.give_share = 0.5f;
+  CHECK(hashes[0] == scene_hash(w, other_share));  // no contact gives
+  other_share.give = 0.6f;
+  CHECK(hashes[20] != scene_hash(w, other_share));
   std::sort(hashes.begin(), hashes.end());
   CHECK(std::unique(hashes.begin(), hashes.end()) == hashes.end());
 }

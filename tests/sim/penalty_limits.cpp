@@ -85,6 +85,9 @@ TEST_CASE("a step above the critical one and laws out of range get a sentence") 
   s = good;
   s.substeps = 2;
   CHECK(contains(refused(w, s), "penalty contact takes whole steps"));
+  s.substeps = 1;
+  s.give = 0.6f;
+  CHECK(contains(refused(w, s), "penalty contact has springs of its own"));
   s = good;
   s.penalty.work_of_adhesion = 0.1f;
   s.penalty.adhesion = Adhesion::jkr;

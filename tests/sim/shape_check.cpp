@@ -150,6 +150,9 @@ TEST_CASE("an overlapping start is refused when the scene asks, naming the bodie
   CHECK(contains(said, "world 0: the sphere of body "));
   CHECK((contains(said, "body 1 and") && contains(said, "body 2 ")) == contains(said, "of body 2"));
   CHECK(contains(said, "overlap by 0.0147 m, at most 0.012 m are allowed"));
+  StepSettings soft;
+  soft.give = 0.6f;  // the whole overlap counts here, see counted_gap
+  CHECK(input_error([&] { make_simulation(Backend::cpu, {w}, soft, 1); }) == said);
   w.overlap_limit = 0.05f;
   w.body[2].position.x = 0.5;
   CHECK(contains(refusal(w), "the sphere of body 1 and the plane of body 0 overlap by 0.01 m, at most 0.005 m"));

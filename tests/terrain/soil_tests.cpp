@@ -182,6 +182,29 @@ TEST_CASE("the contacts of a bed at rest carry at every level the weight above i
   CHECK(gradient == Approx(2650 * kGravity * r.solid_fraction).epsilon(0.06));
 }
 
+TEST_CASE("a bed of the trials' grains does not creep, and keeps its strength when it is sheared slowly") {
+  // With as many updates of rigid contacts the plate creeps by a grain a second, and the angle is 15 degrees.
+  TestSoil soil;
+  soil.grain = {Real(0.625), Real(0.225), 0};
+  soil.relative_density = 0.4;
+  const Packing cell = test_bed(soil, 10, 6, 8, 1);
+  const TestPace pace = pace_of(
+      {.step = 1e-3, .substeps = 14, .iterations = 2, .tolerance = 0, .target = sim::Target::coulomb, .give = kGive});
+  const double stress = 10e3;
+  const double steps = stress_time(soil.grain_diameter, soil.grain_density, stress) / 1e-3;
+  const CreepResult c = creep_test(cell, soil.laws(), {.normal_stress = stress, .steps_per_time = steps}, pace);
+  CAPTURE(c.way, c.speed, c.worst_residual);
+  CHECK(std::fabs(c.speed) < 0.05);
+  const ShearResult slow =
+      shear_test(cell, soil.laws(),
+                 {.normal_stress = stress, .inertial_number = 1e-3, .travel = 1.2, .steps_per_time = steps}, pace);
+  const double angle = std::atan(slow.shear_stress / slow.normal_stress) / kDegree;
+  CAPTURE(angle, slow.worst_residual);
+  CHECK(angle > 24);
+  CHECK(angle < 34);
+  CHECK(slow.worst_residual < 5e-3);
+}
+
 TEST_CASE("soil tests refuse what cannot be tested") {
   CHECK_THROWS_AS(check(coarse_soil(-0.1, 0, 0.5)), InputError);
   CHECK_THROWS_AS(check(coarse_soil(0.5, 0, 1.1)), InputError);
@@ -190,6 +213,8 @@ TEST_CASE("soil tests refuse what cannot be tested") {
   none.normal_stress = 0;
   const TestSoil soil = coarse_soil(0.5, 0, 0.5);
   CHECK_THROWS_AS(shear_test(shared_cell(), soil.laws(), none), InputError);
+  CHECK_THROWS_AS(creep_test(shared_cell(), soil.laws(), {.normal_stress = 0}), InputError);
+  CHECK_THROWS_AS(creep_test(shared_cell(), soil.laws(), {.time = 0}), InputError);
 }
 
 }  // namespace gonogo::terrain

@@ -35,6 +35,26 @@ TEST_CASE("a table's own numerics are taken, and what is asked for comes before 
   CHECK(numerics_by_table(table, "table.json", asked) == Numerics{2e-3, 14, 2, 0.01, sim::Target::coulomb});
 }
 
+TEST_CASE("a table's give is taken, even when all other numerics are given, and older tables are rigid") {
+  Numerics soft = kMeasured;
+  soft.give = 0.6;
+  const Calibration table = table_measured_with(soft);
+  CHECK(numerics_by_table(table, "table.json") == soft);
+  CHECK(description(soft) == description(kMeasured) + ", give 0.6");
+  CHECK(step_settings(0.032, soft).give == Real(0.6));
+  AskedNumerics all{1e-3, 14, 2, 0.0, sim::Target::coulomb};
+  CHECK(numerics_by_table(table, "table.json", all) == soft);
+  CHECK(numerics_by_table(table_measured_with(kMeasured), "table.json", all) == kMeasured);
+  all.give = 0;
+  CHECK(numerics_by_table(table, "table.json", all) == kMeasured);
+  AskedNumerics springs;
+  springs.contact = sim::ContactLaw::hertz;
+  CHECK(numerics_by_table(table, "table.json", springs).give == 0);
+  Json usual = Json::object();
+  write_numerics(usual, kMeasured);
+  CHECK(usual.find("give") == nullptr);  // files of rigid contacts stay as they were
+}
+
 TEST_CASE("penalty contact is chosen by one key, takes whole steps and is told in the table's words") {
   const Calibration table = table_measured_with(kMeasured);
   AskedNumerics asked;

@@ -18,6 +18,9 @@ void add_options(CLI::App& command, Values& n, const std::string& whose, const s
   add("--substeps", n.substeps, ": substeps of a step", 1, 1000);
   add("--iterations", n.iterations, ": max iterations of a substep", 1, 100000);
   if (tolerance) add("--tolerance", n.tolerance, ": residual at which the solver stops [m/s]; 0: never", 0.0, 1.0);
+  add("--give", n.give,
+      ": compliance of contacts; 0.6 keeps beds from creeping with few iterations in many substeps, 0: rigid", 0.0,
+      10.0);
   const auto set_target = [&n](const std::string& name) { n.target = sim::target_named(name); };
   CLI::Option* target = command.add_option_function<std::string>(
       "--target", set_target,
@@ -54,7 +57,8 @@ void add_wheel_rolling_option(CLI::App& command, double& rolling) {
 }
 
 bool numerics_given(const CLI::App& command) {
-  for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target", "--contact", "--overlap"})
+  for (const char* name :
+       {"--step", "--substeps", "--iterations", "--tolerance", "--target", "--give", "--contact", "--overlap"})
     if (command.get_option_no_throw(name) && command.count(name) > 0) return true;
   return false;
 }

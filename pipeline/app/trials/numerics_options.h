@@ -6,7 +6,7 @@
 
 namespace gonogo::app {
 
-/// --step, --substeps, --iterations, --tolerance, --target. `whose` begins each description: "Trials".
+/// --step, --substeps, --iterations, --tolerance, --give, --target. `whose` begins each description: "Trials".
 void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);
 
 /// The same for commands that meet a soil through a table: what is not given is the table's. `tolerance`: whether

@@ -43,6 +43,7 @@ terrain::AskedNumerics read_numerics(const Config& c) {
   if (c.has("iterations")) asked.iterations = int(c.integer("iterations", {1, 100000}));
   if (c.has("tolerance_m_per_s")) asked.tolerance = c.number("tolerance_m_per_s", {0, 1});
   if (c.has("target")) asked.target = sim::target_named(c.choice("target", sim::target_names()));
+  if (c.has("give")) asked.give = c.number("give", {0, 10});
   if (c.has("contact")) asked.contact = sim::contact_named(c.choice("contact", sim::contact_names()));
   if (c.has("overlap")) asked.overlap = c.number("overlap", {1e-5, 0.2});
   c.finish();

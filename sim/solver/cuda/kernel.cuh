@@ -187,7 +187,7 @@ class SolveKernel {
     if (m.done) return;
     Real gap_bias = 0;
     if (in_substeps && m.begins && mine) {
-      gap_bias = advance_contact(i, bodies, m);
+      gap_bias = advance_contact(i, bodies, m, k & 1);
       // Loaded again, so that they need no registers meanwhile.
       a = extrapolated_velocity(bodies.a);
       b = extrapolated_velocity(bodies.b);
@@ -215,7 +215,7 @@ class SolveKernel {
     double residual = 0;
     if (mine) {
       const PairRecord bodies = contact_.pair(i);
-      const Real gap_bias = in_substeps && m.begins ? advance_contact(i, bodies, m) : Real(0);
+      const Real gap_bias = in_substeps && m.begins ? advance_contact(i, bodies, m, k & 1) : Real(0);
       const Impulse before = contact_.own_impulse(k & 1, i);
       residual =
           update_contact(i, s.extrapolated_velocity[bodies.a], s.extrapolated_velocity[bodies.b], gap_bias, m, k & 1)
@@ -238,12 +238,15 @@ class SolveKernel {
   }
 
   /// Moves the gap on to this substep and returns its bias. In the last substep the contact itself is updated, for the
-  /// residual.
-  GONOGO_DEVICE Real advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m) {
+  /// residual. `now`: the store of the latest impulses.
+  GONOGO_DEVICE Real advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m, Index now) {
     const ContactNumbers<Real> c = contact_.unpack(i);
     GapRecord own = s.gap[i];
     own.gap =
         advanced_gap(own.gap, c, s.substep_velocity[bodies.a], s.substep_velocity[bodies.b], s.settings.substep());
+    if (c.softness > 0)
+      own.gap =
+          counted_gap(own.gap, own.rate, c.softness * dot(contact_.own_impulse(now, i).linear, c.normal), s.settings);
     const Real bias = bias_of_gap(own.gap, own.rate, c.softness, s.settings);
     s.gap[i].gap = own.gap;
     if (!m.renew_slip) contact_.frame(i).bias = bias;
