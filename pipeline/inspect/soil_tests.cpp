@@ -26,13 +26,15 @@ class Runs {
   template <class Job>
   void operator()(Job job) {
     const int side_by_side = std::max(1, std::min(request_.threads, int(count_)));
+    terrain::TestBench bench(request_.device, side_by_side);
     terrain::TestPace pace = request_.numerics ? terrain::pace_of(*request_.numerics) : terrain::TestPace{};
     pace.threads = std::max(1, request_.threads / side_by_side);
     pace.on_steps = [this](Index steps) {
       const std::lock_guard lock(mutex_);
       progress_.update(done_ += std::size_t(steps));
     };
-    terrain::run_jobs(count_, side_by_side, [&](std::size_t k) { job(k, pace); });
+    pace.bench = &bench;
+    bench.run(count_, [&](std::size_t k) { job(k, pace); });
     progress_.finish();
   }
 

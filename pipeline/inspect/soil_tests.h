@@ -24,6 +24,7 @@ struct SoilTestRequest {
   bool quick = false;                             // half the travel and smaller beds: for a first look
   std::optional<terrain::Numerics> numerics;      // of trials; otherwise each test has a pace of its own
   int threads = 1;
+  sim::Backend device = sim::Backend::cpu;  // cuda: all runs in one batch
 };
 
 struct ReposeNumbers {

@@ -29,6 +29,8 @@ struct PenaltyLaw {
   Real restitution = Real(0.5);         // of an impact along the normal, above 0, at most 1 [-]
   Real work_of_adhesion = 0;            // hertz: to part a unit of area [J/m^2]
   Adhesion adhesion = Adhesion::dmt;
+
+  bool operator==(const PenaltyLaw&) const = default;
 };
 
 /// The same as kernels read it.

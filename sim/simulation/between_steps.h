@@ -1,7 +1,9 @@
-// Work between steps where the arrays are: states of bodies set and copied, impulses of joints recovered.
+// Work between steps where the arrays are: states of bodies set and copied, contact impulses on bodies summed, impulses
+// of joints recovered.
 #pragma once
 #include "sim/constraint/joint_rows.h"
 #include "sim/simulation/simulation.h"
+#include "sim/state/contact_lists.h"
 #include "sim/state/state.h"
 
 namespace gonogo::sim {
@@ -34,11 +36,12 @@ struct GatherBody {
   }
 };
 
-/// Buffers of what is sent, kept between calls.
+/// Buffers of what is sent and fetched, kept between calls.
 template <class Exec>
 struct BodyPlaces {
   Buffer<BodyIndex, Exec> body;
   Buffer<BodyState, Exec> to;
+  Buffer<Vec3d, Exec> share;  // see SumContactImpulse
 };
 
 template <class Exec>
@@ -57,6 +60,51 @@ void gather_bodies(Exec exec, State<Exec>& s, BodyPlaces<Exec>& sent, const std:
   sent.body.upload(body);
   for_each_index(exec, Index(body.size()),
                  GatherBody{sent.body.view(), s.position.view(), s.orientation.view(), s.velocity.view(), to.view()});
+}
+
+/// Lanes that sum the contacts of one body, which is fixed perhaps and then in no list of contacts by body.
+inline constexpr Index kForceLanes = 32;
+
+/// A lane's share of the contact impulses on a body: every kForceLanes-th contact of its world.
+struct SumContactImpulse {
+  View<const BodyIndex> body;  // [k] in the batch
+  View<const WorldIndex> world_of_body;
+  View<const WorldParameters> world;
+  View<const Index> first_contact;
+  View<const Contact> contact;
+  View<const Impulse> impulse;
+  View<Vec3d> share;  // [k * kForceLanes] [N s]
+
+  GONOGO_HD void operator()(Index at) const {
+    const BodyIndex b = body[at / kForceLanes];
+    const ContactRange r = contacts_of_world(world[world_of_body[b]], first_contact);
+    Vec3d sum;
+    for (ContactIndex i = r.begin + at % kForceLanes; i < r.end; i += kForceLanes) {
+      if (contact[i].body_a == b) sum += static_cast<Vec3d>(impulse[i].linear);
+      if (contact[i].body_b == b) sum -= static_cast<Vec3d>(impulse[i].linear);
+    }
+    share[at] = sum;
+  }
+};
+
+/// Contact impulses on bodies of the batch in the last substep [N s]; `latest`: the store of their impulses.
+template <class Exec>
+std::vector<Vec3d> sum_contact_impulses(Exec exec, State<Exec>& s, ContactStore<Exec>& latest, BodyPlaces<Exec>& sent,
+                                        const std::vector<BodyIndex>& body) {
+  sent.body.upload(body);
+  sent.share.resize(body.size() * std::size_t(kForceLanes));
+  for_each_index(exec, sent.share.size(),
+                 SumContactImpulse{.body = sent.body.view(),
+                                   .world_of_body = s.world_of_body.view(),
+                                   .world = s.world.view(),
+                                   .first_contact = s.first_contact.view(),
+                                   .contact = s.contact.view(),
+                                   .impulse = latest.impulse.view(),
+                                   .share = sent.share.view()});
+  const std::vector<Vec3d> shares = sent.share.download();
+  std::vector<Vec3d> sums(body.size());
+  for (std::size_t k = 0; k < shares.size(); ++k) sums[k / std::size_t(kForceLanes)] += shares[k];
+  return sums;
 }
 
 /// p = -A^-1 (J v_gathered + b), from the system that prepare_mechanisms() solved at the step's start.

@@ -16,6 +16,12 @@ struct JointLoad {
   Vec3d moment;  // [N m]
 };
 
+/// A body of a world of the batch.
+struct WorldBody {
+  WorldIndex world = 0;
+  BodyIndex body = 0;
+};
+
 enum class Backend { cpu, cuda };
 
 /// One world after its latest step. Powers are those of the last substep.
@@ -52,6 +58,8 @@ class Simulation {
   /// Takes `count` steps of all worlds.
   virtual void advance(Index count) = 0;
   virtual StepReport report(WorldIndex world) = 0;
+  /// Of all worlds, in fewer transfers from a GPU than one by one.
+  virtual std::vector<StepReport> reports() = 0;
 
   /// Whether, when and why a world stopped. A stopped world is still stepped with the others, but its monitors are not.
   virtual WorldStop stop(WorldIndex world) = 0;
@@ -86,8 +94,10 @@ class Simulation {
   virtual JointLoad joint_load(WorldIndex world, Index joint) = 0;
   virtual JointLoad spring_load(WorldIndex world, Index spring) = 0;
 
-  /// Sum of the contact impulses on a body in the last substep divided by its length [N].
-  virtual Vec3d contact_force(WorldIndex world, BodyIndex b) = 0;
+  /// Sums of the contact impulses on bodies in the last substep divided by its length [N]. Zero before a world's first
+  /// step and after restore.
+  virtual std::vector<Vec3d> contact_forces(const std::vector<WorldBody>& of) = 0;
+  Vec3d contact_force(WorldIndex world, BodyIndex b) { return contact_forces({{world, b}}).front(); }
   /// Contacts of a world in the latest step, and their impulses in the same order. Bodies are counted in their world.
   /// Empty before the world's first step and after restore.
   virtual std::vector<Contact> contacts(WorldIndex world) = 0;

@@ -79,24 +79,21 @@ class SimulationOn final : public Simulation, public StepByStage {
 
   StepReport report(WorldIndex w) override {
     GONOGO_ASSERT(w >= 0 && w < batch_.state.world_count);
-    const WorldSums sums = batch_.state.world_sums.read(w);
-    StepReport r;
-    r.time = double(batch_.state.steps.read(w)) * settings_.step;
-    r.kinetic_energy = sums.kinetic;
-    r.gravity_power = sums.gravity_power;
-    const WorldEnergy energy = batch_.state.element.energy.read(w);
-    r.motor_power = energy.motor_power;
-    r.force_power = energy.force_power;
-    r.spring_energy = energy.spring;
-    r.rms_residual = rms_residual(sums);
-    r.max_residual = sums.residual_max;
-    r.contact_count = sums.contact_count;
-    r.iterations = sums.iterations;
-    r.flags = batch_.state.flags.read(w);
-    r.slowed = batch_.state.slowed.read(w);
-    r.fault = unpacked(batch_.state.fault.read(w));
-    if (r.fault.flags != 0) r.fault.body = body_in_scene(w, r.fault.body);
-    return r;
+    const State<Exec>& s = batch_.state;
+    return report(w, s.world_sums.read(w), s.element.energy.read(w), s.steps.read(w), s.flags.read(w), s.slowed.read(w),
+                  s.fault.read(w));
+  }
+
+  std::vector<StepReport> reports() override {
+    const State<Exec>& s = batch_.state;
+    const auto sums = s.world_sums.download();
+    const auto energy = s.element.energy.download();
+    const auto steps = s.steps.download(), flags = s.flags.download(), slowed = s.slowed.download();
+    const auto fault = s.fault.download();
+    std::vector<StepReport> all;
+    for (std::size_t w = 0; w < std::size_t(s.world_count); ++w)
+      all.push_back(report(WorldIndex(w), sums[w], energy[w], steps[w], flags[w], slowed[w], fault[w]));
+    return all;
   }
 
   WorldStop stop(WorldIndex w) override { return batch_.state.element.stop.read(w); }
@@ -211,15 +208,19 @@ class SimulationOn final : public Simulation, public StepByStage {
     return load(w, batch_.flat[w].mechanisms.row_of_spring[i], 1);
   }
 
-  Vec3d contact_force(WorldIndex w, BodyIndex b) override {
-    const auto contact = contacts(w);
-    const auto impulse = impulses(w);
-    Vec3d sum;
-    for (std::size_t i = 0; i < contact.size(); ++i) {
-      if (contact[i].body_a == b) sum += static_cast<Vec3d>(impulse[i].linear);
-      if (contact[i].body_b == b) sum -= static_cast<Vec3d>(impulse[i].linear);
+  std::vector<Vec3d> contact_forces(const std::vector<WorldBody>& of) override {
+    std::vector<BodyIndex> in_batch;
+    std::vector<std::size_t> asked;
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      if (!stepped_[of[k].world]) continue;
+      in_batch.push_back(batch_.in_batch(of[k].world, of[k].body));
+      asked.push_back(k);
     }
-    return sum * (1.0 / settings_.substep());
+    std::vector<Vec3d> force(of.size()), impulse;
+    if (asked.empty()) return force;
+    queue_.run([&](auto exec) { impulse = sum_contact_impulses(exec, batch_.state, latest(), sent_, in_batch); });
+    for (std::size_t i = 0; i < asked.size(); ++i) force[asked[i]] = impulse[i] * (1.0 / settings_.substep());
+    return force;
   }
 
   std::vector<Contact> contacts(WorldIndex w) override {
@@ -356,6 +357,26 @@ class SimulationOn final : public Simulation, public StepByStage {
     const Snapshot then = rearranged(now, flat, sorted);
     batch_.replace(w, std::move(sorted));
     restore(w, then);
+  }
+
+  StepReport report(WorldIndex w, const WorldSums& sums, const WorldEnergy& energy, Index steps, Index flags,
+                    Index slowed, const PackedFault& fault) const {
+    StepReport r;
+    r.time = double(steps) * settings_.step;
+    r.kinetic_energy = sums.kinetic;
+    r.gravity_power = sums.gravity_power;
+    r.motor_power = energy.motor_power;
+    r.force_power = energy.force_power;
+    r.spring_energy = energy.spring;
+    r.rms_residual = rms_residual(sums);
+    r.max_residual = sums.residual_max;
+    r.contact_count = sums.contact_count;
+    r.iterations = sums.iterations;
+    r.flags = flags;
+    r.slowed = slowed;
+    r.fault = unpacked(fault);
+    if (r.fault.flags != 0) r.fault.body = body_in_scene(w, r.fault.body);
+    return r;
   }
 
   /// Sum over rows, counted in their world.

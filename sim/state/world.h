@@ -72,6 +72,8 @@ struct StepSettings {
   ContactMethod method() const { return {contact, iteration}; }
 
   GONOGO_HD IterationRules rules() const { return {iteration, target, iterations, tolerance, substeps}; }
+
+  bool operator==(const StepSettings&) const = default;
 };
 
 /// Bias of a contact [m/s]; the solver keeps the normal speed above its negative. A gap may close in this substep, an

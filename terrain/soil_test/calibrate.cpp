@@ -97,6 +97,7 @@ sim::PairLaw law_of(const CalibrationTest& test) {
 
 TestSoil test_soil(const CalibrationRun& run, std::size_t packing, std::size_t seed) {
   TestSoil soil;
+  soil.settled_on = run.device;
   soil.grain_diameter = run.grain_diameter;
   soil.shape = run.shape;
   soil.relative_density = relative_density_of(kSettleFriction[packing]);
@@ -112,36 +113,38 @@ PlateSettings plate_settings(const CalibrationRun& run) {
   return settings;
 }
 
+/// Beds of these specs: side by side on the CPU, in one batch on a GPU.
+std::vector<Packing> settled(const std::vector<BedSpec>& specs, const CalibrationRun& run) {
+  if (run.device != sim::Backend::cpu) return settle_packings(specs, 1);
+  std::vector<Packing> beds(specs.size());
+  run_jobs(specs.size(), run.threads, [&](std::size_t i) {
+    stop_if_cancelled();
+    beds[i] = settle_packing(specs[i], 1);
+  });
+  return beds;
+}
+
 /// Settled beds for plates, one for each density and seed: all contact levels share them.
-class Beds {
- public:
-  Beds(const CalibrationRun& run, const std::vector<CalibrationTest>& tests, const std::vector<std::size_t>& open)
-      : run_(run), bed_(std::size(kSettleFriction) * std::size_t(run.seeds)) {
-    std::vector<std::size_t> needed;
-    for (const std::size_t k : open)
-      if (tests[k].kind == TestKind::plate) needed.push_back(place(tests[k]));
-    std::sort(needed.begin(), needed.end());
-    needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
-    run_jobs(needed.size(), run.threads, [&](std::size_t i) {
-      stop_if_cancelled();
-      const std::size_t packing = needed[i] / std::size_t(run.seeds), seed = needed[i] % std::size_t(run.seeds) + 1;
-      bed_[needed[i]] = plate_bed(test_soil(run, packing, seed), plate_settings(run), 1);
-    });
-  }
-  const Packing& operator()(const CalibrationTest& test) const { return bed_[place(test)]; }
+using Beds = std::map<std::pair<std::size_t, std::size_t>, Packing>;  // by packing and seed
 
- private:
-  std::size_t place(const CalibrationTest& test) const { return test.packing * std::size_t(run_.seeds) + test.seed; }
+Beds plate_beds(const CalibrationRun& run, const std::vector<CalibrationTest*>& open) {
+  Beds beds;
+  for (const CalibrationTest* t : open)
+    if (t->kind == TestKind::plate) beds[{t->packing, t->seed}] = {};
+  std::vector<BedSpec> specs;
+  for (const auto& [at, bed] : beds)
+    specs.push_back(plate_bed_spec(test_soil(run, at.first, at.second + 1), plate_settings(run)));
+  std::vector<Packing> packings = settled(specs, run);
+  auto next = packings.begin();
+  for (auto& [at, bed] : beds) bed = std::move(*next++);
+  return beds;
+}
 
-  const CalibrationRun& run_;
-  std::vector<Packing> bed_;
-};
-
-void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& bed) {
+void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& bed, const TestPace& pace) {
   TestSoil soil = test_soil(run, test.packing, test.seed + 1);
   soil.grain = law_of(test);
   soil.tool_friction = double(soil.grain.friction);
-  const PlateResult r = plate_test(bed, soil, plate_settings(run), pace_of(run.numerics));
+  const PlateResult r = plate_test(bed, soil, plate_settings(run), pace);
   const PowerLaw law = fit_power_law(r);
   test.result = {law.k, law.n, r.worst_residual, bed.solid_fraction};
 }
@@ -153,53 +156,57 @@ void run_loosest(CalibrationTest& test, const CalibrationRun& run) {
   test.result = {settle_packing(bed, 1).solid_fraction};
 }
 
-void run_triaxial(CalibrationTest& test, const CalibrationRun& run) {
+void run_triaxial(CalibrationTest& test, const CalibrationRun& run, const TestPace& pace) {
   TestSoil soil = test_soil(run, test.packing, test.seed + 1);
   soil.grain = law_of(test);
   TriaxialSettings settings;
   settings.confining_stress = kConfiningStress;
   settings.steps_per_time = stress_time(run.grain_diameter, soil.grain_density, kConfiningStress) / run.numerics.step;
-  const TriaxialResult r = triaxial_test(soil, settings, pace_of(run.numerics));
+  const TriaxialResult r = triaxial_test(soil, settings, pace);
   test.result = {r.steady_axial / kConfiningStress, r.steady_lateral / kConfiningStress,
                  r.peak_axial / kConfiningStress, r.peak_lateral / kConfiningStress, r.worst_residual};
 }
 
-void run_test(CalibrationTest& test, const CalibrationRun& run, const Beds& beds) {
+void run_test(CalibrationTest& test, const CalibrationRun& run, const Beds& beds, const TestPace& pace) {
   switch (test.kind) {
     case TestKind::plate:
-      return run_plate(test, run, beds(test));
+      return run_plate(test, run, beds.at({test.packing, test.seed}), pace);
     case TestKind::loosest:
       return run_loosest(test, run);
     case TestKind::triaxial:
-      return run_triaxial(test, run);
+      return run_triaxial(test, run, pace);
   }
 }
 
 /// Fills in the results: from the journal, or by running the test.
 void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run) {
   TestJournal journal(run.journal, journal_maker(run));
-  std::vector<std::size_t> open;
-  for (std::size_t k = 0; k < tests.size(); ++k)
-    if (const auto known = journal.find(tests[k].name))
-      tests[k].result = *known;
+  std::vector<CalibrationTest*> open;
+  for (CalibrationTest& t : tests)
+    if (const auto known = journal.find(t.name))
+      t.result = *known;
     else
-      open.push_back(k);
+      open.push_back(&t);
   // Plates and beds take longest: first, so that no thread is left with one at the end.
-  std::stable_partition(open.begin(), open.end(), [&](std::size_t k) { return tests[k].kind != TestKind::triaxial; });
-  const Beds beds(run, tests, open);
+  std::stable_partition(open.begin(), open.end(), [](const auto* t) { return t->kind != TestKind::triaxial; });
+  const Beds beds = plate_beds(run, open);
   Progress progress("soil calibrate", "tests", tests.size());
   const std::size_t reused = tests.size() - open.size();
   std::size_t done = reused;
   progress.update(done, "", reused);
-  run_jobs(open.size(), run.threads, [&](std::size_t i) {
-    CalibrationTest& test = tests[open[i]];
+  std::mutex mutex;
+  TestBench bench(run.device, run.threads);
+  TestPace pace = pace_of(run.numerics);
+  pace.bench = &bench;
+  bench.run(open.size(), [&](std::size_t i) {
+    CalibrationTest& test = *open[i];
     try {
-      run_test(test, run, beds);
+      run_test(test, run, beds, pace);
     } catch (const DeviceError&) {
       test.result.clear();  // counted in the table's provenance
     }
     journal.add(test.name, test.result);
-#pragma omp critical(calibration_progress)
+    const std::lock_guard lock(mutex);
     progress.update(++done, "", reused);
   });
 }
@@ -461,6 +468,7 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
       "triaxial compression without gravity of 9 x 9 x 16 grains between smooth platens, inertial number 0.006; plate "
       "4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity; such beds settled with each level's own laws";
   write_numerics(p, run.numerics);
+  if (run.device != sim::Backend::cpu) p["device"] = "cuda";
   p["confining_stress_Pa"] = kConfiningStress;
   p["cohesion_pressure_over_confining_stress"] =
       std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
@@ -475,8 +483,8 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
 }  // namespace
 
 std::string journal_maker(const CalibrationRun& run) {
-  return line("calibrate/7 %s of %g m, %s", name_of(run.shape).c_str(), run.grain_diameter,
-              description(run.numerics).c_str());
+  return line("calibrate/8 %s of %g m, %s%s", name_of(run.shape).c_str(), run.grain_diameter,
+              description(run.numerics).c_str(), run.device == sim::Backend::cpu ? "" : ", on cuda");
 }
 
 std::vector<std::string> calibration_tests(const CalibrationRun& run) {

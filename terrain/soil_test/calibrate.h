@@ -38,8 +38,9 @@ class TestJournal {
 struct CalibrationRun {
   double grain_diameter = 0.032;  // of the sphere with a grain's volume [m]
   GrainShape shape = GrainShape::sphere;
-  int threads = 1;  // number of tests at a time
-  int seeds = 3;    // number of packings of each density
+  sim::Backend device = sim::Backend::cpu;  // cuda: all tests in one batch
+  int threads = 1;                          // number of tests at a time on the CPU
+  int seeds = 3;                            // number of packings of each density
   /// Number of packings of each density whose friction angle is measured; at least `seeds`. Angles of rough specimens
   /// differ by two degrees, so they need more packings than cohesion and plates do.
   int angle_seeds = 3;

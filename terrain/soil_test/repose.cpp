@@ -154,7 +154,7 @@ ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, c
     r.rest_speed = run.rms_speed(bed.grain.size());
     if (r.rest_speed < 0.02 * unit) break;
   }
-  const auto bodies = run.simulation().bodies(0);
+  const auto bodies = run.bodies();
   r.profile = profile_of(bed, bodies);
   fit_slope(r, d);
   for (std::size_t i = 0; i < bed.grain.size(); ++i)

@@ -326,7 +326,7 @@ Box boxed(const TestSoil& soil, const Specimen& s, const sim::PairLaw& law, doub
 }
 
 void read_back(TestRun& run, const Box& box, Specimen& s) {
-  const auto bodies = run.simulation().bodies(0);
+  const auto bodies = run.bodies();
   take_places(s.grain, s.shape, bodies);
   s.size = {bodies[std::size_t(box.moving[0])].position.x, bodies[std::size_t(box.moving[1])].position.y,
             bodies[std::size_t(box.moving[2])].position.z};
@@ -441,7 +441,9 @@ TriaxialResult triaxial_test(const TestSoil& soil, const TriaxialSettings& setti
   const Specimen s = compressed(soil, settings, pace, h);
   const Box box = boxed(soil, s, soil.grain, settings.confining_stress, false);
   const double rate = settings.inertial_number / time, speed = rate * s.size.z;
-  TestRun run("triaxial test", box.world, test_settings(soil.grain_diameter, h, speed, pace), pace);
+  // Tests of one height, whatever their specimens' size, have equal settings and share a batch.
+  const double usual_speed = rate * settings.grains_high * soil.grain_diameter;
+  TestRun run("triaxial test", box.world, test_settings(soil.grain_diameter, h, usual_speed, pace), pace);
   run.advance(Index(kRestTimes * settings.steps_per_time));
   run.set_velocity(box.moving[2], {0, 0, Real(-speed)});
   const double volume = s.size.x * s.size.y * s.size.z;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <utility>
 
 #include "base/error.h"
@@ -100,6 +99,7 @@ BedSpec test_bed_spec(const TestSoil& soil, double grains_long, double grains_wi
   s.settle_friction = settle_friction(soil.relative_density);
   s.seed = soil.seed;
   s.shape = soil.shape;
+  s.settled_on = soil.settled_on;
   return s;
 }
 
@@ -148,64 +148,62 @@ TestRun::TestRun(std::string test, sim::SceneWorld world, const sim::StepSetting
     : test_(std::move(test)),
       world_(std::move(world)),
       pace_(pace),
-      simulation_(sim::make_simulation(sim::Backend::cpu, {world_}, settings, pace.threads)) {}
+      step_(settings.step),
+      seat_(pace.bench ? pace.bench->seat(world_, settings, pace.threads) : own_seat(world_, settings, pace.threads)) {}
 
-void TestRun::advance(Index steps) {
+std::vector<Vec3d> TestRun::take(Index steps, const std::vector<sim::BodyIndex>& measured) {
   stop_if_cancelled();
-  simulation_->advance(steps);
-  const sim::StepReport report = simulation_->report(0);
-  if (report.flags != 0)
-    throw DeviceError(test_ +
-                      ": the simulation failed: " + sim::description(report.fault, simulation_->settings().step));
-  worst_residual_ = std::max(worst_residual_, report.rms_residual);
+  const StepsTaken taken = seat_->take(steps, measured);
+  if (taken.last.flags != 0)
+    throw DeviceError(test_ + ": the simulation failed: " + sim::description(taken.last.fault, step_));
+  worst_residual_ = std::max(worst_residual_, taken.worst_residual);
   if (pace_.on_steps) pace_.on_steps(steps);
+  return taken.mean_force;
 }
-
-std::vector<Vec3d> TestRun::mean_forces(const std::vector<sim::BodyIndex>& bodies, Index steps) {
-  std::vector<Vec3d> mean(bodies.size());
-  for (Index k = 0; k < steps; ++k) {
-    advance(1);
-    for (std::size_t i = 0; i < bodies.size(); ++i)
-      mean[i] = mean[i] + simulation_->contact_force(0, bodies[i]) * (1.0 / double(steps));
-  }
-  return mean;
-}
-
-Vec3d TestRun::mean_force(sim::BodyIndex body, Index steps) { return mean_forces({body}, steps)[0]; }
 
 void TestRun::set_velocity(sim::BodyIndex b, const Vec3& velocity) {
-  sim::BodyState state = simulation_->body(0, b);
-  state.velocity = velocity;
-  simulation_->set_body(0, b, state);
+  seat_->with([&](sim::Simulation& simulation, sim::WorldIndex w) {
+    sim::BodyState state = simulation.body(w, b);
+    state.velocity = velocity;
+    simulation.set_body(w, b, state);
+  });
+}
+
+sim::BodyState TestRun::body(sim::BodyIndex b) {
+  sim::BodyState state;
+  seat_->with([&](sim::Simulation& simulation, sim::WorldIndex w) { state = simulation.body(w, b); });
+  return state;
+}
+
+std::vector<sim::BodyState> TestRun::bodies() {
+  std::vector<sim::BodyState> states;
+  seat_->with([&](sim::Simulation& simulation, sim::WorldIndex w) { states = simulation.bodies(w); });
+  return states;
+}
+
+std::vector<sim::Contact> TestRun::contacts() {
+  std::vector<sim::Contact> found;
+  seat_->with([&](sim::Simulation& simulation, sim::WorldIndex w) { found = simulation.contacts(w); });
+  return found;
+}
+
+std::vector<sim::Impulse> TestRun::impulses() {
+  std::vector<sim::Impulse> found;
+  seat_->with([&](sim::Simulation& simulation, sim::WorldIndex w) { found = simulation.impulses(w); });
+  return found;
+}
+
+sim::Capture TestRun::capture() {
+  sim::Capture capture;
+  seat_->with([&](sim::Simulation& simulation, sim::WorldIndex w) { capture = sim::capture_world(simulation, w); });
+  return capture;
 }
 
 double TestRun::rms_speed(std::size_t count) {
-  const auto bodies = simulation_->bodies(0);
+  const auto bodies = this->bodies();
   double sum = 0;
   for (std::size_t i = 0; i < count; ++i) sum += dot(bodies[i].velocity, bodies[i].velocity);
   return std::sqrt(sum / double(std::max<std::size_t>(1, count)));
-}
-
-void run_jobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job) {
-  std::exception_ptr failure;
-  bool failed = false;
-#pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
-  for (std::size_t k = 0; k < count; ++k) {
-    bool skip;
-#pragma omp critical(soil_test_jobs)
-    skip = failed;
-    if (skip) continue;
-    try {
-      job(k);
-    } catch (...) {
-#pragma omp critical(soil_test_jobs)
-      {
-        if (!failed) failure = std::current_exception();
-        failed = true;
-      }
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
 }
 
 namespace {
@@ -222,8 +220,8 @@ struct Cut {
 /// base lie below all cuts.
 void add_forces(TestRun& run, const std::vector<sim::BodyState>& bodies, Index grains, double weight,
                 std::vector<Cut>& cuts) {
-  const auto contacts = run.simulation().contacts(0);
-  const auto impulses = run.simulation().impulses(0);
+  const auto contacts = run.contacts();
+  const auto impulses = run.impulses();
   const auto height = [&](sim::BodyIndex b) { return b < grains ? bodies[std::size_t(b)].position.z : -1e9; };
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double a = height(contacts[i].body_a), b = height(contacts[i].body_b);
@@ -248,9 +246,9 @@ GeostaticResult geostatic_test(const TestSoil& soil, double grains_deep, const T
   const auto grains = Index(bed.grain.size());
   for (Index k = 0; k < kMeanSteps; ++k) {
     run.advance(1);
-    add_forces(run, run.simulation().bodies(0), grains, 1 / (h * double(kMeanSteps)), cuts);
+    add_forces(run, run.bodies(), grains, 1 / (h * double(kMeanSteps)), cuts);
   }
-  const auto bodies = run.simulation().bodies(0);
+  const auto bodies = run.bodies();
   GeostaticResult r;
   r.solid_fraction = bed.solid_fraction;
   for (const Cut& c : cuts) {

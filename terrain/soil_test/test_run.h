@@ -9,6 +9,7 @@
 #include "base/math/statistics.h"
 #include "sim/io/capture.h"
 #include "terrain/bed/bed.h"
+#include "terrain/soil_test/test_bench.h"
 
 namespace gonogo::terrain {
 
@@ -40,6 +41,7 @@ struct TestSoil {
   double grain_density = 2650;    // of the solid [kg/m^3]
   std::uint64_t seed = 1;
   std::filesystem::path packing_folder;  // cache of settled beds; empty: none
+  sim::Backend settled_on = sim::Backend::cpu;
 
   BedLaws laws() const { return {grain, {Real(tool_friction), 0, 0}}; }
 };
@@ -66,7 +68,8 @@ struct TestPace {
   double tolerance = 0.01;              // residual at which the solver stops, over the speed of the test
   double residual = 0;                  // the same in [m/s]; replaces `tolerance` if above zero
   sim::Target target = sim::Target::ccp;
-  double give = 0;  // of contacts, see Numerics
+  double give = 0;             // of contacts, see Numerics
+  TestBench* bench = nullptr;  // where the test's worlds are stepped; null: each in a simulation on the CPU
 };
 
 /// Pace with the numerics of trials. The step is not part of it: each kind of test has its own.
@@ -86,30 +89,36 @@ double stress_time(double grain_diameter, double grain_density, double stress);
 /// Mass [kg] of a tool that moves only vertically, as on rails without friction.
 sim::BodyMass on_vertical_rails(double mass);
 
-/// A world under test. advance() throws Cancelled after Ctrl-C, and DeviceError when the engine raises a flag.
+/// A world under test. What takes steps throws Cancelled after Ctrl-C, and DeviceError when the engine raises a flag.
 class TestRun {
  public:
   TestRun(std::string test, sim::SceneWorld world, const sim::StepSettings& settings, const TestPace& pace);
 
-  void advance(Index steps);
+  void advance(Index steps) { take(steps, {}); }
   /// Advances and returns the mean contact force on a body over these steps [N].
-  Vec3d mean_force(sim::BodyIndex body, Index steps);
-  std::vector<Vec3d> mean_forces(const std::vector<sim::BodyIndex>& bodies, Index steps);
+  Vec3d mean_force(sim::BodyIndex body, Index steps) { return take(steps, {body}).front(); }
+  std::vector<Vec3d> mean_forces(const std::vector<sim::BodyIndex>& bodies, Index steps) { return take(steps, bodies); }
   void set_velocity(sim::BodyIndex body, const Vec3& velocity);
-  sim::BodyState body(sim::BodyIndex b) { return simulation_->body(0, b); }
-  sim::Simulation& simulation() { return *simulation_; }
+  sim::BodyState body(sim::BodyIndex b);
+  std::vector<sim::BodyState> bodies();
+  /// Contacts of the latest step, and their impulses in the same order.
+  std::vector<sim::Contact> contacts();
+  std::vector<sim::Impulse> impulses();
 
   const sim::SceneWorld& world() const { return world_; }
-  sim::Capture capture() { return sim::capture_world(*simulation_, 0); }
+  sim::Capture capture();
   double worst_residual() const { return worst_residual_; }  // largest root-mean-square residual of a step [m/s]
   /// Root-mean-square speed of the first `count` bodies [m/s].
   double rms_speed(std::size_t count);
 
  private:
+  std::vector<Vec3d> take(Index steps, const std::vector<sim::BodyIndex>& measured);
+
   std::string test_;
   sim::SceneWorld world_;
   TestPace pace_;
-  std::unique_ptr<sim::Simulation> simulation_;
+  double step_;  // [s]
+  std::unique_ptr<TestSeat> seat_;
   double worst_residual_ = 0;
 };
 
@@ -118,9 +127,6 @@ struct TestScene {
   sim::SceneWorld world;
   sim::Capture end;
 };
-
-/// Runs job(0) .. job(count - 1), `threads` at a time. The first failure or Ctrl-C stops the others and is thrown.
-void run_jobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job);
 
 /// A bed at rest under its own weight: vertical stress in its contacts against the weight above, level by level.
 struct GeostaticSample {

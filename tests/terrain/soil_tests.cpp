@@ -74,6 +74,60 @@ TEST_CASE("a shear test has the same bits for any number of threads") {
   CHECK(sheared(soil, shared_cell(), 0.1).shear_stress == sheared(soil, shared_cell(), 0.1, two).shear_stress);
 }
 
+TEST_CASE("tests that step together have the bits of tests that step alone") {
+  struct Results {
+    ShearResult shear[2];
+    CreepResult creep;
+    double other_normal = 0;
+    int refused = 0;
+  };
+  const auto run = [](bool together) {
+    Results r;
+    TestBench bench(sim::Backend::cpu, 2, together);
+    TestPace pace = rough_pace();
+    pace.bench = &bench;
+    bench.run(5, [&](std::size_t k) {
+      ShearSettings settings;
+      settings.travel = k == 1 ? 0.3 : 0.2;     // the second stays longer than the first in the same batch
+      if (k == 2) settings.normal_stress *= 2;  // another step, another batch
+      if (k < 2)
+        r.shear[k] = shear_test(shared_cell(), coarse_soil(0.3 + 0.2 * double(k), 0, 0.5).laws(), settings, pace);
+      if (k == 2)
+        r.other_normal = shear_test(shared_cell(), coarse_soil(0.5, 0, 0.5).laws(), settings, pace).normal_stress;
+      if (k == 3) r.creep = creep_test(shared_cell(), coarse_soil(0.5, 0, 0.5).laws(), {.time = 0.02}, pace);
+      if (k == 4) {
+        settings.normal_stress = 0;
+        try {
+          shear_test(shared_cell(), coarse_soil(0.5, 0, 0.5).laws(), settings, pace);
+        } catch (const InputError&) {
+          ++r.refused;
+        }
+      }
+    });
+    return r;
+  };
+  const Results alone = run(false), together = run(true);
+  for (int k = 0; k < 2; ++k) {
+    CHECK(together.shear[k].shear_stress == alone.shear[k].shear_stress);
+    CHECK(together.shear[k].worst_residual == alone.shear[k].worst_residual);
+  }
+  CHECK(together.other_normal == alone.other_normal);
+  CHECK(together.creep.way == alone.creep.way);
+  CHECK(together.refused == 1);
+}
+
+TEST_CASE("a failure of one test ends all that step together") {
+  TestBench bench(sim::Backend::cpu, 1, true);
+  TestPace pace = rough_pace();
+  pace.bench = &bench;
+  const auto job = [&](std::size_t k) {
+    if (k == 2) throw InputError("no such soil");
+    shear_test(shared_cell(), coarse_soil(0.5, 0, 0.5).laws(), {}, pace);
+    FAIL("a test went on after another had failed");
+  };
+  CHECK_THROWS_WITH(bench.run(3, job), "no such soil");
+}
+
 TEST_CASE("a dense bed is stronger at its peak than a loose one, and rises when sheared") {
   const TestSoil soft = coarse_soil(0.5, 0, 0), hard = coarse_soil(0.5, 0, 1);
   const ShearResult loose = sheared(soft, test_bed(soft, 10, 6, 8, 1), 0.8);
