@@ -274,6 +274,7 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
 SoilTestOutcome triaxial(const SoilTestRequest& r) {
   const std::vector<Load> loads = loads_of(r);
   terrain::TriaxialSettings settings;
+  settings.inertial_number = r.inertial_number.value_or(settings.inertial_number);
   if (r.quick) {
     settings.grains_wide = 7;
     settings.grains_high = 12;
@@ -411,6 +412,7 @@ std::vector<terrain::PlateResult> run_plates(const SoilTestRequest& r, terrain::
 std::vector<terrain::ShearResult> run_shear(const SoilTestRequest& r, terrain::TestScene* scene) {
   const std::vector<Load> loads = loads_of(r);
   terrain::ShearSettings settings;
+  settings.inertial_number = r.inertial_number.value_or(settings.inertial_number);
   if (r.quick) settings.travel = 2;
   std::vector<terrain::ShearResult> results(loads.size());
   Runs runs("shear", r, loads.size(), terrain::shear_steps(settings));

@@ -19,6 +19,7 @@ struct SoilTestRequest {
   terrain::TestSoil soil;
   int seeds = 2;                                  // packings, from soil.seed on
   std::vector<double> stresses{5e3, 10e3, 20e3};  // shear: normal, triaxial: confining [Pa]
+  std::optional<double> inertial_number;          // of shear and triaxial tests [-]; otherwise their own
   std::vector<double> plate_widths{4, 8};         // in grain diameters
   double cone_diameter = 4;                       // in grain diameters
   bool quick = false;                             // half the travel and smaller beds: for a first look

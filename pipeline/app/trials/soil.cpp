@@ -88,6 +88,11 @@ void add_test(CLI::App& parent, const Globals& globals, const std::string& name,
     command->add_option(
         "--stress", *stresses,
         name == "shear" ? "Normal stresses [kPa]; default: 5 10 20" : "Confining stresses [kPa]; default: 5 10 20");
+  if (name == "shear" || name == "triaxial")
+    command
+        ->add_option("--inertial-number", request->inertial_number,
+                     "Shear or strain rate times d sqrt(solid density / stress); default: 0.006, below 0.01: slow")
+        ->check(CLI::Range(1e-6, 1.0));
   if (name == "plate")
     command->add_option("--widths", request->plate_widths, "Plate widths [grain diameters]")->capture_default_str();
   if (name == "cone")
