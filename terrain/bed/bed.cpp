@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -403,15 +404,18 @@ std::filesystem::path packing_path(const BedSpec& spec, const std::filesystem::p
 }
 
 Packing cached_packing(const BedSpec& spec, const std::filesystem::path& folder, int threads) {
+  static std::mutex files;  // the HDF5 library serves one thread at a time
   const auto path = packing_path(spec, folder);
   if (std::filesystem::exists(path)) {
     try {
+      const std::lock_guard lock(files);
       return read_packing(path);
     } catch (const InputError& e) {
       log_line("bed", std::string(e.what()) + "; settling it again");
     }
   }
   Packing packing = settle_packing(spec, threads);
+  const std::lock_guard lock(files);
   write_packing(path, packing);
   return packing;
 }

@@ -219,12 +219,21 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
 namespace {
 
 /// 1: without "response"; 2: without "shape", of spheres; 3: friction angles by simple shear; 4: one loosest packing
-/// for all contact levels.
+/// for all contact levels; 5: without angles on the plane of shear.
 const std::vector<std::string> kSchemas = {"gonogo/calibration/1", "gonogo/calibration/2", "gonogo/calibration/3",
-                                           "gonogo/calibration/4", "gonogo/calibration/5"};
+                                           "gonogo/calibration/4", "gonogo/calibration/5", "gonogo/calibration/6"};
+
+Angle read_angle(const Config& row, const std::string& name) {
+  return {row.number(name + "_deg", {0, 89}), row.number(name + "_error_deg", {0, 89})};
+}
+
+void write_angle(Json& row, const std::string& name, const Angle& angle) {
+  row[name + "_deg"] = angle.degrees;
+  row[name + "_error_deg"] = angle.error;
+}
 
 /// One row for each contact level and packing, in that order.
-std::vector<SoilResponse> read_responses(const Config& file, const Calibration& c, bool by_shear) {
+std::vector<SoilResponse> read_responses(const Config& file, const Calibration& c, std::ptrdiff_t version) {
   if (c.packing.empty()) file.fail("packing", "needs at least two packings");
   std::vector<SoilResponse> rows;
   for (const Config& row : file.objects("response")) {
@@ -233,13 +242,17 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
     r.packing = rows.size() % c.packing.size();
     if (row.integer("contact") != std::int64_t(r.contact) || row.integer("packing") != std::int64_t(r.packing))
       row.fail("", "rows must go through the packings of each contact level in turn");
-    if (by_shear) {
+    if (version <= 3) {
       row.number("friction_angle_deg", {0, 89});
       row.number("peak_friction_angle_deg", {0, 89});
     } else {
       r.friction_angle = row.number("friction_angle_deg", {1e-3, 89});
       r.friction_angle_error = row.number("friction_angle_error_deg", {0, 89});
       r.steady_friction_angle = row.number("steady_friction_angle_deg", {0, 89});
+    }
+    if (version >= 6) {
+      r.shear_peak = read_angle(row, "shear_peak_angle");
+      r.shear_steady = read_angle(row, "shear_steady_angle");
     }
     r.cohesion_gain = row.number("cohesion_gain", {-100, 100});
     r.sinkage_modulus = row.number("sinkage_modulus_N_per_m_n_plus_2", {0, 1e15});
@@ -257,7 +270,8 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
 
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
   Json j;
-  j["schema"] = c.contact.front().loosest_solid_fraction > 0 ? kSchemas[4] : kSchemas[3];
+  const bool has_shear = !c.response.empty() && c.response.front().shear_peak.degrees > 0;
+  j["schema"] = kSchemas[has_shear ? 5 : c.contact.front().loosest_solid_fraction > 0 ? 4 : 3];
   j["grain_diameter_m"] = c.grain_diameter;
   j["shape"] = name_of(c.shape);
   for (const PackingLevel& p : c.packing) {
@@ -285,6 +299,10 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
     row["friction_angle_deg"] = r.friction_angle;
     row["friction_angle_error_deg"] = r.friction_angle_error;
     row["steady_friction_angle_deg"] = r.steady_friction_angle;
+    if (has_shear) {
+      write_angle(row, "shear_peak_angle", r.shear_peak);
+      write_angle(row, "shear_steady_angle", r.shear_steady);
+    }
     row["cohesion_gain"] = r.cohesion_gain;
     row["sinkage_modulus_N_per_m_n_plus_2"] = r.sinkage_modulus;
     row["sinkage_modulus_error"] = r.sinkage_modulus_error;
@@ -318,7 +336,7 @@ Calibration read_calibration(const std::filesystem::path& path) {
          .cohesion_gain = row.number("cohesion_gain", {-100, 100}),
          .cohesion_gain_error = row.number("cohesion_gain_error", {0, 100}),
          .loosest_solid_fraction = version >= 5 ? row.number("loosest_solid_fraction", {0.3, 0.75}) : 0});
-  if (version == 2 || (version >= 3 && file.has("response"))) c.response = read_responses(file, c, version <= 3);
+  if (version == 2 || (version >= 3 && file.has("response"))) c.response = read_responses(file, c, version);
   c.cohesion_gain = file.number("cohesion_gain", {1e-6, 100});
   c.cohesion_gain_error = file.number("cohesion_gain_error", {0, 100});
   file.finish();

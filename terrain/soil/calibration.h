@@ -6,6 +6,9 @@
 // sigma on the plane of shear, the same for all densities. On rough grains it is 10 to 25 degrees smaller
 // (docs/soils.md).
 //
+// The angle on the plane of simple shear, tan(phi_s) = tau / sigma, is smaller: without dilation tan(phi_s) =
+// sin(phi). Tables from version 6 on hold both.
+//
 // Relative density depends on the grains. Rough grains settle more loosely than smooth ones, so that one packing may be
 // of medium density for rough grains and loose for smooth ones. Tables before version 5 use the same scale for all.
 #pragma once
@@ -16,6 +19,11 @@
 #include "terrain/bed/bed.h"
 
 namespace gonogo::terrain {
+
+/// An angle with its standard error [deg].
+struct Angle {
+  double degrees = 0, error = 0;
+};
 
 /// One packing of the library, with its measured density.
 struct PackingLevel {
@@ -38,6 +46,7 @@ struct SoilResponse {
   std::size_t contact = 0, packing = 0;                   // levels
   double friction_angle = 0, friction_angle_error = 0;    // at the triaxial peak; 0 before version 4 [deg]
   double steady_friction_angle = 0;                       // after the peak; 0 before version 4 [deg]
+  Angle shear_peak, shear_steady;                         // on the plane of shear; 0 before version 6
   double cohesion_gain = 0;                               // [-]
   double sinkage_modulus = 0, sinkage_modulus_error = 0;  // k of p = k z^n, plate four grains wide [N/m^(n+2)]
   double sinkage_exponent = 0;                            // n [-]

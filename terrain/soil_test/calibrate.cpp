@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "base/error.h"
@@ -69,11 +70,12 @@ constexpr double kConfiningStress = 10e3;  // [Pa]; without gravity only the rat
 /// slide past each other, and the strength is lower than at one times.
 constexpr double kCohesionRatio[] = {0, 0.5, 1};
 
-enum class TestKind { triaxial, plate, loosest };
+enum class TestKind { triaxial, shear, plate, loosest };
 
 /// One test. Its result is empty when the simulation failed; otherwise, by kind:
 ///   triaxial  axial and lateral stress in steady deformation, then at the peak, over the confining stress;
 ///             max residual [m/s]
+///   shear     shear over normal stress on the plane of shear: peak, steady; max residual [m/s]
 ///   plate     k [N/m^(n+2)] and n of p = k z^n, max residual [m/s], solid fraction of the bed
 ///   loosest   solid fraction of a bed that settles with its own contact laws
 struct CalibrationTest {
@@ -124,16 +126,22 @@ std::vector<Packing> settled(const std::vector<BedSpec>& specs, const Calibratio
   return beds;
 }
 
-/// Settled beds for plates, one for each density and seed: all contact levels share them.
-using Beds = std::map<std::pair<std::size_t, std::size_t>, Packing>;  // by packing and seed
+/// Settled beds for plates and shear, one for each density and seed: all contact levels share them.
+using Beds = std::map<std::tuple<TestKind, std::size_t, std::size_t>, Packing>;  // by packing and seed
 
-Beds plate_beds(const CalibrationRun& run, const std::vector<CalibrationTest*>& open) {
+BedSpec bed_spec(const CalibrationRun& run, TestKind kind, std::size_t packing, std::size_t seed) {
+  if (kind == TestKind::plate) return plate_bed_spec(test_soil(run, packing, seed + 1), plate_settings(run));
+  BedSpec cell = shear_cell(run.grain_diameter, kSettleFriction[packing], seed + 1, run.shape);
+  cell.settled_on = run.device;
+  return cell;
+}
+
+Beds settled_beds(const CalibrationRun& run, const std::vector<CalibrationTest*>& open) {
   Beds beds;
   for (const CalibrationTest* t : open)
-    if (t->kind == TestKind::plate) beds[{t->packing, t->seed}] = {};
+    if (t->kind == TestKind::plate || t->kind == TestKind::shear) beds[{t->kind, t->packing, t->seed}] = {};
   std::vector<BedSpec> specs;
-  for (const auto& [at, bed] : beds)
-    specs.push_back(plate_bed_spec(test_soil(run, at.first, at.second + 1), plate_settings(run)));
+  for (const auto& [at, bed] : beds) specs.push_back(bed_spec(run, std::get<0>(at), std::get<1>(at), std::get<2>(at)));
   std::vector<Packing> packings = settled(specs, run);
   auto next = packings.begin();
   for (auto& [at, bed] : beds) bed = std::move(*next++);
@@ -147,6 +155,16 @@ void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& 
   const PlateResult r = plate_test(bed, soil, plate_settings(run), pace);
   const PowerLaw law = fit_power_law(r);
   test.result = {law.k, law.n, r.worst_residual, bed.solid_fraction};
+}
+
+void run_shear(CalibrationTest& test, const CalibrationRun& run, const Packing& bed, const TestPace& pace) {
+  TestSoil soil = test_soil(run, test.packing, test.seed + 1);
+  soil.grain = law_of(test);
+  ShearSettings settings;
+  settings.normal_stress = kConfiningStress;
+  settings.steps_per_time = stress_time(run.grain_diameter, soil.grain_density, kConfiningStress) / run.numerics.step;
+  const ShearResult r = shear_test(bed, soil.laws(), settings, pace);
+  test.result = {r.peak_stress / kConfiningStress, r.shear_stress / r.normal_stress, r.worst_residual};
 }
 
 void run_loosest(CalibrationTest& test, const CalibrationRun& run) {
@@ -170,7 +188,9 @@ void run_triaxial(CalibrationTest& test, const CalibrationRun& run, const TestPa
 void run_test(CalibrationTest& test, const CalibrationRun& run, const Beds& beds, const TestPace& pace) {
   switch (test.kind) {
     case TestKind::plate:
-      return run_plate(test, run, beds.at({test.packing, test.seed}), pace);
+      return run_plate(test, run, beds.at({test.kind, test.packing, test.seed}), pace);
+    case TestKind::shear:
+      return run_shear(test, run, beds.at({test.kind, test.packing, test.seed}), pace);
     case TestKind::loosest:
       return run_loosest(test, run);
     case TestKind::triaxial:
@@ -188,8 +208,8 @@ void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run) {
     else
       open.push_back(&t);
   // Plates and beds take longest: first, so that no thread is left with one at the end.
-  std::stable_partition(open.begin(), open.end(), [](const auto* t) { return t->kind != TestKind::triaxial; });
-  const Beds beds = plate_beds(run, open);
+  std::stable_partition(open.begin(), open.end(), [](const auto* t) { return t->kind == TestKind::plate || t->kind == TestKind::loosest; });
+  const Beds beds = settled_beds(run, open);
   Progress progress("soil calibrate", "tests", tests.size());
   const std::size_t reused = tests.size() - open.size();
   std::size_t done = reused;
@@ -258,6 +278,7 @@ std::vector<CalibrationTest> all_tests(const CalibrationRun& run) {
         const std::string at = line("%s settled at %g seed %zu", grains.c_str(), kSettleFriction[p], s + 1);
         for (std::size_t r = 0; r < (for_angle_only ? 1 : std::size(kCohesionRatio)); ++r)
           add(TestKind::triaxial, p, r, "triaxial " + at + line(" cohesion %g", kCohesionRatio[r]));
+        add(TestKind::shear, p, 0, "shear " + at);
         if (!for_angle_only) add(TestKind::plate, p, 0, "plate " + at);
       }
       if (!for_angle_only && settles_loosely(contacts[c]))
@@ -315,6 +336,12 @@ Angle friction_angle(const Selection& of, std::size_t contact, std::ptrdiff_t pa
   return angle_of_sine(mean.mean, mean.error);
 }
 
+/// Mean angle on the plane of shear; `index`: 0 peak, 1 steady.
+Angle shear_angle(const Selection& of, std::size_t contact, std::size_t packing, std::size_t index) {
+  const MeanError mean = mean_error(of(TestKind::shear, contact, std::ptrdiff_t(packing), 0, index));
+  return angle_of_tangent(mean.mean, mean.error);
+}
+
 /// Cohesion per contact cohesion pressure: slope, by least squares through the origin over the cohesion ratios, of the
 /// cohesion at the peak, s1 - s3 = (s1 + s3) sin(phi) + 2 c cos(phi), phi that of the same specimen without; specimens
 /// stand in the same order in all tests.
@@ -348,6 +375,8 @@ SoilResponse response(const Selection& of, std::size_t c, std::size_t p) {
   r.friction_angle = peak.degrees;
   r.friction_angle_error = peak.error;
   r.steady_friction_angle = friction_angle(of, c, packing, kSteady).degrees;
+  r.shear_peak = shear_angle(of, c, p, 0);
+  r.shear_steady = shear_angle(of, c, p, 1);
   r.cohesion_gain = cohesion_gain(of, c, packing).mean;
   r.sinkage_modulus = k.mean;
   r.sinkage_modulus_error = k.error;
@@ -438,7 +467,7 @@ std::size_t usable_levels(const Selection& of) {
   };
   for (std::size_t c = 0; c < of.contacts.size(); ++c)
     for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
-      if (failing(TestKind::plate, c, p, 0)) return c;
+      if (failing(TestKind::plate, c, p, 0) || failing(TestKind::shear, c, p, 0)) return c;
       for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
         if (failing(TestKind::triaxial, c, p, r)) return c;
     }
@@ -465,8 +494,8 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
   }
   Json p;
   p["test"] =
-      "triaxial compression without gravity of 9 x 9 x 16 grains between smooth platens, inertial number 0.006; plate "
-      "4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity; such beds settled with each level's own laws";
+      "triaxial compression without gravity of 9 x 9 x 16 grains between smooth platens, inertial number 0.006; simple "
+      "shear without gravity of 10 x 6 grains, 8 deep, at the same; plate 4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity; such beds settled with each level's own laws";
   write_numerics(p, run.numerics);
   if (run.device != sim::Backend::cpu) p["device"] = "cuda";
   p["confining_stress_Pa"] = kConfiningStress;

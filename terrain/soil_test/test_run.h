@@ -9,6 +9,7 @@
 #include "base/math/statistics.h"
 #include "sim/io/capture.h"
 #include "terrain/bed/bed.h"
+#include "terrain/soil/calibration.h"
 #include "terrain/soil_test/test_bench.h"
 
 namespace gonogo::terrain {
@@ -24,10 +25,7 @@ struct LineFit {
 /// Press et al., Numerical Recipes, section 15.2, with the variance estimated from the residuals.
 LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& weight = {});
 
-/// An angle from its tangent or sine, with its standard error [deg].
-struct Angle {
-  double degrees = 0, error = 0;
-};
+/// An angle from its tangent or sine, with its standard error.
 Angle angle_of_tangent(double tangent, double error);
 Angle angle_of_sine(double sine, double error);
 

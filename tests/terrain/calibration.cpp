@@ -28,8 +28,8 @@ CalibrationRun coarse_run(const std::filesystem::path& folder) {
 }
 
 /// Made-up results: the sine of the friction angle is 1/4 of the sliding friction after the peak and 1/3 at it, more in
-/// looser packings, and cohesion is a tenth of its ratio; from the second seed on the sine is larger by 0.01. Beds that
-/// settle with their own laws are the looser the rougher.
+/// looser packings, and cohesion is a tenth of its ratio; from the second seed on the sine is larger by 0.01. On the
+/// plane of shear the tangent is half the sliding friction at the peak, a third after it. Beds that settle with their own laws are the looser the rougher.
 std::vector<double> made_up(const std::string& test) {
   const auto number_after = [&](const std::string& word) {
     return std::stod(test.substr(test.find(word) + word.size()));
@@ -38,6 +38,7 @@ std::vector<double> made_up(const std::string& test) {
   if (test.rfind("loosest", 0) == 0) return {0.6 - 0.1 * friction};
   const double settled = number_after("settled at ");
   if (test.rfind("plate", 0) == 0) return {1e6 * friction, 0.8, 1e-4, 0.64 - 0.07 * settled};
+  if (test.rfind("shear", 0) == 0) return {friction / 2, friction / 3, 1e-4};
   const double cohesion = 0.1 * number_after("cohesion "), more = number_after("seed ") > 1 ? 0.01 : 0;
   // Mohr and Coulomb: s1 (1 - sin) = s3 (1 + sin) + 2 c cos.
   const auto axial = [&](double sine) { return (1 + sine + 2 * cohesion * std::sqrt(1 - sine * sine)) / (1 - sine); };
@@ -81,6 +82,8 @@ TEST_CASE("a table is what its tests measured") {
   const auto degrees = [](double sine) { return to_degrees(std::asin(sine)); };
   CHECK(c.response[5 * 3 + 1].steady_friction_angle == Approx(degrees(0.5 / 4)));
   CHECK(c.response[5 * 3 + 1].friction_angle == Approx(degrees(0.5 / 3 + 0.025)));
+  CHECK(c.response[5 * 3 + 1].shear_peak.degrees == Approx(to_degrees(std::atan(0.5 / 2))));
+  CHECK(c.response[5 * 3 + 1].shear_steady.degrees == Approx(to_degrees(std::atan(0.5 / 3))));
   CHECK(c.contact[5].friction_angle ==
         Approx((degrees(0.5 / 3 + 0.08) + degrees(0.5 / 3 + 0.025) + degrees(0.5 / 3 + 0.002)) / 3));
   CHECK(c.contact[5].cohesion_gain == Approx(0.1));
@@ -92,6 +95,7 @@ TEST_CASE("a table is what its tests measured") {
   write_calibration(folder / "table.json", c);
   const Calibration again = read_calibration(folder / "table.json");
   CHECK(again.response[5].sinkage_modulus == c.response[5].sinkage_modulus);
+  CHECK(again.response[7].shear_steady.degrees == c.response[7].shear_steady.degrees);
   CHECK(again.contact[6].friction_angle == c.contact[6].friction_angle);
   CHECK(again.contact[6].loosest_solid_fraction == c.contact[6].loosest_solid_fraction);
   std::filesystem::remove_all(folder);
