@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <tuple>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -115,37 +115,57 @@ PlateSettings plate_settings(const CalibrationRun& run) {
   return settings;
 }
 
-/// Beds of these specs: side by side on the CPU, in one batch on a GPU.
+/// Beds of these specs: side by side on the CPU, in one batch on a GPU. One that did not come to rest has a solid
+/// fraction of 0; on a GPU DeviceError is thrown for it.
 std::vector<Packing> settled(const std::vector<BedSpec>& specs, const CalibrationRun& run) {
   if (run.device != sim::Backend::cpu) return settle_packings(specs, 1);
   std::vector<Packing> beds(specs.size());
   run_jobs(specs.size(), run.threads, [&](std::size_t i) {
     stop_if_cancelled();
-    beds[i] = settle_packing(specs[i], 1);
+    try {
+      beds[i] = settle_packing(specs[i], 1);
+    } catch (const DeviceError&) {
+      beds[i] = {};
+    }
   });
   return beds;
 }
 
-/// Settled beds for plates and shear, one for each density and seed: all contact levels share them.
-using Beds = std::map<std::tuple<TestKind, std::size_t, std::size_t>, Packing>;  // by packing and seed
-
-BedSpec bed_spec(const CalibrationRun& run, TestKind kind, std::size_t packing, std::size_t seed) {
-  if (kind == TestKind::plate) return plate_bed_spec(test_soil(run, packing, seed + 1), plate_settings(run));
-  BedSpec cell = shear_cell(run.grain_diameter, kSettleFriction[packing], seed + 1, run.shape);
-  cell.settled_on = run.device;
-  return cell;
+/// The bed that a test starts from, which tests of the same spec share; none of a triaxial test.
+std::optional<BedSpec> bed_spec(const CalibrationTest& t, const CalibrationRun& run) {
+  if (t.kind == TestKind::triaxial) return std::nullopt;
+  if (t.kind == TestKind::shear) {
+    BedSpec cell = shear_cell(run.grain_diameter, kSettleFriction[t.packing], t.seed + 1, run.shape);
+    cell.settled_on = run.device;
+    return cell;
+  }
+  BedSpec bed = plate_bed_spec(test_soil(run, t.packing, t.seed + 1), plate_settings(run));
+  if (t.kind == TestKind::loosest) {
+    bed.settle_friction = t.grains.friction;
+    bed.settle_rolling = t.grains.rolling_friction;
+  }
+  return bed;
 }
 
+using Beds = std::map<std::string, Packing>;  // by BedSpec::hash()
+
 Beds settled_beds(const CalibrationRun& run, const std::vector<CalibrationTest*>& open) {
-  Beds beds;
+  std::map<std::string, BedSpec> spec;
   for (const CalibrationTest* t : open)
-    if (t->kind == TestKind::plate || t->kind == TestKind::shear) beds[{t->kind, t->packing, t->seed}] = {};
+    if (const auto bed = bed_spec(*t, run)) spec[bed->hash()] = *bed;
   std::vector<BedSpec> specs;
-  for (const auto& [at, bed] : beds) specs.push_back(bed_spec(run, std::get<0>(at), std::get<1>(at), std::get<2>(at)));
+  for (const auto& [hash, bed] : spec) specs.push_back(bed);
   std::vector<Packing> packings = settled(specs, run);
+  Beds beds;
   auto next = packings.begin();
-  for (auto& [at, bed] : beds) bed = std::move(*next++);
+  for (const auto& [hash, bed] : spec) beds[hash] = std::move(*next++);
   return beds;
+}
+
+const Packing& bed_of(const CalibrationTest& t, const CalibrationRun& run, const Beds& beds) {
+  const Packing& bed = beds.at(bed_spec(t, run)->hash());
+  if (!(bed.solid_fraction > 0)) throw DeviceError("soil calibrate: a bed did not come to rest");
+  return bed;
 }
 
 void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& bed, const TestPace& pace) {
@@ -167,13 +187,6 @@ void run_shear(CalibrationTest& test, const CalibrationRun& run, const Packing& 
   test.result = {r.peak_stress / kConfiningStress, r.shear_stress / r.normal_stress, r.worst_residual};
 }
 
-void run_loosest(CalibrationTest& test, const CalibrationRun& run) {
-  BedSpec bed = plate_bed_spec(test_soil(run, 0, test.seed + 1), plate_settings(run));
-  bed.settle_friction = test.grains.friction;
-  bed.settle_rolling = test.grains.rolling_friction;
-  test.result = {settle_packing(bed, 1).solid_fraction};
-}
-
 void run_triaxial(CalibrationTest& test, const CalibrationRun& run, const TestPace& pace) {
   TestSoil soil = test_soil(run, test.packing, test.seed + 1);
   soil.grain = law_of(test);
@@ -188,11 +201,12 @@ void run_triaxial(CalibrationTest& test, const CalibrationRun& run, const TestPa
 void run_test(CalibrationTest& test, const CalibrationRun& run, const Beds& beds, const TestPace& pace) {
   switch (test.kind) {
     case TestKind::plate:
-      return run_plate(test, run, beds.at({test.kind, test.packing, test.seed}), pace);
+      return run_plate(test, run, bed_of(test, run, beds), pace);
     case TestKind::shear:
-      return run_shear(test, run, beds.at({test.kind, test.packing, test.seed}), pace);
+      return run_shear(test, run, bed_of(test, run, beds), pace);
     case TestKind::loosest:
-      return run_loosest(test, run);
+      test.result = {bed_of(test, run, beds).solid_fraction};
+      return;
     case TestKind::triaxial:
       return run_triaxial(test, run, pace);
   }
@@ -207,8 +221,8 @@ void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run) {
       t.result = *known;
     else
       open.push_back(&t);
-  // Plates and beds take longest: first, so that no thread is left with one at the end.
-  std::stable_partition(open.begin(), open.end(), [](const auto* t) { return t->kind == TestKind::plate || t->kind == TestKind::loosest; });
+  // Plates take longest: first, so that no thread is left with one at the end.
+  std::stable_partition(open.begin(), open.end(), [](const auto* t) { return t->kind == TestKind::plate; });
   const Beds beds = settled_beds(run, open);
   Progress progress("soil calibrate", "tests", tests.size());
   const std::size_t reused = tests.size() - open.size();
@@ -495,7 +509,8 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
   Json p;
   p["test"] =
       "triaxial compression without gravity of 9 x 9 x 16 grains between smooth platens, inertial number 0.006; simple "
-      "shear without gravity of 10 x 6 grains, 8 deep, at the same; plate 4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity; such beds settled with each level's own laws";
+      "shear without gravity of 10 x 6 grains, 8 deep, at the same; plate 4 grains wide on a bed of 24 x 6 grains, 12 "
+      "deep, under gravity; such beds settled with each level's own laws";
   write_numerics(p, run.numerics);
   if (run.device != sim::Backend::cpu) p["device"] = "cuda";
   p["confining_stress_Pa"] = kConfiningStress;

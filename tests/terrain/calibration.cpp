@@ -29,7 +29,8 @@ CalibrationRun coarse_run(const std::filesystem::path& folder) {
 
 /// Made-up results: the sine of the friction angle is 1/4 of the sliding friction after the peak and 1/3 at it, more in
 /// looser packings, and cohesion is a tenth of its ratio; from the second seed on the sine is larger by 0.01. On the
-/// plane of shear the tangent is half the sliding friction at the peak, a third after it. Beds that settle with their own laws are the looser the rougher.
+/// plane of shear the tangent is half the sliding friction at the peak, a third after it. Beds that settle with their
+/// own laws are the looser the rougher.
 std::vector<double> made_up(const std::string& test) {
   const auto number_after = [&](const std::string& word) {
     return std::stod(test.substr(test.find(word) + word.size()));
