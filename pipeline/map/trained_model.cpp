@@ -271,16 +271,12 @@ double measure(const campaign::TrialRecord& record, const char* name) {
   return record.measures[campaign::contract().measure_index(name)];
 }
 
-double variable(const campaign::TrialRecord& record, const char* name) {
-  return record.point.variables[campaign::contract().variable_index(name)];
-}
-
 /// What a trial measured; nothing for trials downhill. Shares are of the load across the ground.
 std::optional<ResistanceTrial> resistance_of(const campaign::TrialRecord& record, const Driven& driven,
                                              const SpeedModel& model) {
-  const double along = std::tan(to_radians(variable(record, "slope_along"))),
-               across = std::tan(to_radians(variable(record, "slope_across")));
-  const double mass = driven.mass + driven.payload_share * variable(record, "payload");
+  const double along = std::tan(to_radians(campaign::variable_of(record, "slope_along"))),
+               across = std::tan(to_radians(campaign::variable_of(record, "slope_across")));
+  const double mass = driven.mass + driven.payload_share * campaign::variable_of(record, "payload");
   const double load = mass * model.gravity / std::sqrt(1 + along * along + across * across);
   const double push = driven.wheels * measure(record, "mean_torque") / driven.radius / load;
   const double slip = measure(record, "slip"), speed = measure(record, "mean_speed");

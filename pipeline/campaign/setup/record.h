@@ -81,7 +81,10 @@ struct TrialRecord {
   std::uint64_t failed_checks = 0;  // bits of the checks that the last attempt of an unknown trial failed
 };
 
-/// A measure by its name in the contract.
+/// A variable or a measure by its name in the contract.
+inline double variable_of(const TrialRecord& r, const char* name) {
+  return r.point.variables[contract().variable_index(name)];
+}
 inline double measure_of(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
 
 }  // namespace gonogo::campaign

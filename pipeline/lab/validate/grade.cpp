@@ -22,10 +22,6 @@ constexpr double kMinDistance = 0.2;  // [m]
 
 double degrees(double pull) { return std::atan(pull) / kDegree; }
 
-double variable(const campaign::TrialRecord& r, const char* name) {
-  return r.point.variables[campaign::contract().variable_index(name)];
-}
-
 /// The wheel of a trial and the load on it.
 WheelOnSand wheel_of(const vehicle::Vehicle& quarter, double payload, double along, double across) {
   const double a = std::tan(along * kDegree), b = std::tan(across * kDegree);
@@ -35,28 +31,29 @@ WheelOnSand wheel_of(const vehicle::Vehicle& quarter, double payload, double alo
 }
 
 bool is_of_interest(const campaign::TrialRecord& r, const GradeRequest& request) {
-  return r.verdict != campaign::Verdict::unknown && variable(r, "cohesion") <= request.max_cohesion &&
-         std::fabs(variable(r, "slope_across")) <= request.max_across &&
-         variable(r, "tyre_friction") >= std::tan(variable(r, "friction_angle") * kDegree);
+  return r.verdict != campaign::Verdict::unknown && campaign::variable_of(r, "cohesion") <= request.max_cohesion &&
+         std::fabs(campaign::variable_of(r, "slope_across")) <= request.max_across &&
+         campaign::variable_of(r, "tyre_friction") >= std::tan(campaign::variable_of(r, "friction_angle") * kDegree);
 }
 
 bool moved_uphill(const campaign::TrialRecord& r) {
   const double slip = campaign::measure_of(r, "slip");
-  return variable(r, "slope_along") >= kMinSlope && campaign::measure_of(r, "distance") >= kMinDistance &&
+  return campaign::variable_of(r, "slope_along") >= kMinSlope && campaign::measure_of(r, "distance") >= kMinDistance &&
          slip > kSlips[0] && slip < kSlips[std::size(kSlips) - 1];
 }
 
 GradePoint point_of(const campaign::TrialRecord& r, const vehicle::Vehicle& quarter) {
   GradePoint p;
-  p.slope = variable(r, "slope_along");
-  p.friction_angle = variable(r, "friction_angle");
-  p.cohesion = variable(r, "cohesion");
-  p.commanded_speed = variable(r, "commanded_speed");
+  p.slope = campaign::variable_of(r, "slope_along");
+  p.friction_angle = campaign::variable_of(r, "friction_angle");
+  p.cohesion = campaign::variable_of(r, "cohesion");
+  p.commanded_speed = campaign::variable_of(r, "commanded_speed");
   p.slip = campaign::measure_of(r, "slip"), p.speed = campaign::measure_of(r, "mean_speed"),
   p.sinkage = campaign::measure_of(r, "sinkage");
   p.verdict = r.verdict;
   p.reason = r.reason;
-  const WheelOnSand wheel = wheel_of(quarter, variable(r, "payload"), p.slope, variable(r, "slope_across"));
+  const WheelOnSand wheel =
+      wheel_of(quarter, campaign::variable_of(r, "payload"), p.slope, campaign::variable_of(r, "slope_across"));
   p.band = sand_band(wheel, p.friction_angle, p.slip, 1e3 * p.cohesion);
   return p;
 }
@@ -70,7 +67,7 @@ std::vector<LabelCount> empty_counts() {
 }
 
 void count(std::vector<LabelCount>& counts, const campaign::TrialRecord& r) {
-  const double angle = variable(r, "friction_angle"), slope = variable(r, "slope_along");
+  const double angle = campaign::variable_of(r, "friction_angle"), slope = campaign::variable_of(r, "slope_along");
   for (LabelCount& c : counts)
     if (angle >= c.angle[0] && angle < c.angle[1] && slope >= c.slope[0] && slope < c.slope[1]) {
       ++c.trials;

@@ -38,7 +38,7 @@ void add_values(const Benchmark& b, const campaign::TrialSetup& setup, const cam
   }
   if (r.pull.empty()) return;
   const campaign::PullPoint& p = r.pull.front();
-  const double load = setup.weight(r.point.variables[campaign::contract().variable_index("payload")]);
+  const double load = setup.weight(campaign::variable_of(r, "payload"));
   to[Quantity::pull].push_back(p.pull * load);
   to[Quantity::traction_slope].push_back(terrain::angle_of_tangent(p.pull, 0).degrees);
   to[Quantity::side_force].push_back(p.side * load);

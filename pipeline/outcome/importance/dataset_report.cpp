@@ -77,18 +77,6 @@ bool varies(const report::ScatterColumn& column) {
   return std::any_of(column.values.begin(), column.values.end(), [&](double x) { return x != column.values.front(); });
 }
 
-/// RFC 4648, section 4.
-std::string base64(const std::string& bytes) {
-  constexpr const char* kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t j = 0; j < 3; ++j) group = group << 8 | (i + j < bytes.size() ? (unsigned char)bytes[i + j] : 0u);
-    for (int j = 0; j < 4; ++j) text += i + std::size_t(j) <= bytes.size() ? kLetters[group >> (18 - 6 * j) & 63] : '=';
-  }
-  return text;
-}
-
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) result += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
