@@ -30,7 +30,7 @@ done
 ((${#parts[@]} > 0)) || parts=(build tests validation sanitizers python bench)
 mkdir -p "$results"
 failed=()
-engine='(sim|base_kernels|terrain_beds|pipeline_batch|learning_gpu)'
+engine='(sim|base_kernels|terrain_beds|terrain_soil_tests|pipeline_batch|learning_gpu)'
 program=build/cuda-release/gonogo
 use_carried_headers
 

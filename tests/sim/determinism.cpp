@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -93,6 +95,36 @@ TEST_CASE("a world has the same bits alone and in any place of a batch") {
       CHECK(alone->motor_torque(0, 0) == together->motor_torque(3, 0));
       CHECK(alone->report(0).rms_residual == together->report(3).rms_residual);
     }
+}
+
+TEST_CASE("reports and contact forces of a batch are those of each world, and forces are the sums over contacts") {
+  for (const Backend backend : backends()) {
+    const auto batch = make_simulation(backend, {driven_wheel(1), driven_wheel(2)}, few_iterations(), 1);
+    const BodyIndex ground = 0, wheel = 16 * 8 * 6 + 1;
+    const std::vector<WorldBody> bodies{{1, wheel}, {0, wheel}, {0, ground}, {1, 5}};
+    for (const Vec3d& before : batch->contact_forces(bodies)) CHECK(dot(before, before) == 0);
+    batch->advance(kSteps);
+    const std::vector<StepReport> reports = batch->reports();
+    REQUIRE(reports.size() == 2);
+    for (const WorldIndex w : {0, 1}) {
+      CHECK(reports[std::size_t(w)].rms_residual == batch->report(w).rms_residual);
+      CHECK(reports[std::size_t(w)].kinetic_energy == batch->report(w).kinetic_energy);
+      CHECK(reports[std::size_t(w)].contact_count == batch->report(w).contact_count);
+    }
+    const std::vector<Vec3d> forces = batch->contact_forces(bodies);
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      const auto contacts = batch->contacts(bodies[k].world);
+      const auto impulses = batch->impulses(bodies[k].world);
+      Vec3d sum;
+      for (std::size_t i = 0; i < contacts.size(); ++i) {
+        if (contacts[i].body_a == bodies[k].body) sum += static_cast<Vec3d>(impulses[i].linear);
+        if (contacts[i].body_b == bodies[k].body) sum -= static_cast<Vec3d>(impulses[i].linear);
+      }
+      const Vec3d off = forces[k] - sum * (1.0 / batch->settings().substep());
+      CHECK(std::sqrt(dot(off, off)) <= 1e-9 * (1 + std::sqrt(dot(forces[k], forces[k]))));
+    }
+    CHECK(forces[0].z > 0);  // the ground carries the wheel
+  }
 }
 
 TEST_CASE("Gauss-Seidel and spectral gradients leave less residual than plain gradients") {

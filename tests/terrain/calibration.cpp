@@ -279,6 +279,22 @@ TEST_CASE("of the shipped soils lean clay with little water is out of reach of b
   }
 }
 
+TEST_CASE("triaxial compression and simple shear of the tables with give end in the same strength") {
+  const std::filesystem::path soils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
+  for (const char* table : {"calibration_32mm_give.json", "calibration_90mm_give.json"}) {
+    const Calibration c = read_calibration(soils / table);
+    CHECK(numerics_by_table(c, table).give == kGive);
+    REQUIRE(c.response.size() == 33);
+    for (const SoilResponse& r : c.response) {
+      // Without dilation the plane of shear of a triaxial test has tan(phi_s) = sin(phi_t).
+      const double on_plane = to_degrees(std::atan(std::sin(to_radians(r.steady_friction_angle))));
+      CHECK(r.shear_steady.degrees == Approx(on_plane).margin(2 + 3 * r.shear_steady.error));
+      CHECK(r.shear_peak.degrees > r.shear_steady.degrees);
+      CHECK(r.friction_angle > r.steady_friction_angle);
+    }
+  }
+}
+
 TEST_CASE("beds of the shipped trefoils harden with density and end in one critical state, and stand for GRC-1") {
   const std::filesystem::path soils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
   const Calibration c = read_calibration(soils / "calibration_32mm_trefoil.json");

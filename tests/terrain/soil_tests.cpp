@@ -7,6 +7,7 @@
 #include "terrain/soil_test/repose.h"
 #include "terrain/soil_test/strength_test.h"
 #include "terrain/soil_test/test_run.h"
+#include "tests/support/backends.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {
@@ -114,6 +115,24 @@ TEST_CASE("tests that step together have the bits of tests that step alone") {
   CHECK(together.other_normal == alone.other_normal);
   CHECK(together.creep.way == alone.creep.way);
   CHECK(together.refused == 1);
+}
+
+TEST_CASE("side by side on every device a bed carries the load of its test") {
+  for (const sim::Backend backend : test::backends()) {
+    TestBench bench(backend, 1, true);
+    TestPace pace = rough_pace();
+    pace.bench = &bench;
+    double normal[3] = {};
+    bench.run(3, [&](std::size_t k) {
+      ShearSettings settings;
+      settings.travel = 0.5;
+      settings.normal_stress = k == 2 ? 20e3 : 10e3;
+      normal[k] = shear_test(shared_cell(), coarse_soil(0.5, 0.1, 0.5).laws(), settings, pace).normal_stress;
+    });
+    CHECK(normal[0] == normal[1]);
+    CHECK(normal[0] == Approx(10e3).epsilon(0.05));
+    CHECK(normal[2] == Approx(20e3).epsilon(0.05));
+  }
 }
 
 TEST_CASE("a failure of one test ends all that step together") {
