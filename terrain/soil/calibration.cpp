@@ -315,8 +315,9 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
   write_file_atomically(path, j.dump(2) + "\n");
 }
 
-Calibration read_calibration(const std::filesystem::path& path) {
-  const Config file = Config::read(path);
+Calibration read_calibration(const std::filesystem::path& path) { return read_calibration(Config::read(path)); }
+
+Calibration read_calibration(const Config& file) {
   const std::string schema = file.choice("schema", kSchemas);
   const auto version = 1 + std::find(kSchemas.begin(), kSchemas.end(), schema) - kSchemas.begin();
   Calibration c;

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "base/json/config.h"
 #include "base/json/json.h"
 #include "terrain/bed/bed.h"
 
@@ -116,6 +117,7 @@ inline constexpr double kMaxCohesionRatio = 2;
 
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 Calibration read_calibration(const std::filesystem::path& path);
+Calibration read_calibration(const Config& file);
 
 /// Numerics that the user gave; the others come from the table.
 struct AskedNumerics {

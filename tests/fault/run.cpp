@@ -141,7 +141,8 @@ TEST_CASE("no write permission") {
   fs::permissions(s.out(), fs::perms{0555});
   RunOptions ordinary;
   ordinary.before = become_ordinary_user;
-  check_refusal(run_gonogo(s.run_words(), ordinary), 1, {"cannot write there", "Permission denied"});
+  check_refusal(run_gonogo(s.run_words(), ordinary), 2,
+                {"cannot write here", "Permission denied", "fix its permissions"});
   CHECK(files_below(s.out()).empty());
 }
 

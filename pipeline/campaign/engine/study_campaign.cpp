@@ -1,9 +1,7 @@
 #include "pipeline/campaign/engine/study_campaign.h"
 
 #include <gnu/libc-version.h>
-#include <unistd.h>
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
@@ -20,7 +18,6 @@
 #include "sim/simulation/simulation.h"
 
 namespace gonogo::campaign {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kSections[] = {"soil", "trial", "design"};
@@ -225,25 +222,6 @@ WorkerOptions worker_options(const Study& study, const std::filesystem::path& fo
 
 namespace {
 
-class TemporaryPlace {
- public:
-  TemporaryPlace() {
-    std::string name = (fs::temp_directory_path() / "gonogo-replay-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw DeviceError(name + ": cannot make a temporary folder");
-    folder_ = name;
-  }
-  ~TemporaryPlace() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  TemporaryPlace(const TemporaryPlace&) = delete;
-  TemporaryPlace& operator=(const TemporaryPlace&) = delete;
-  const fs::path& folder() const { return folder_; }
-
- private:
-  fs::path folder_;
-};
-
 const TrialRecord& find_trial(const Dataset& dataset, std::uint64_t index) {
   for (const TrialRecord& record : dataset.records)
     if (record.point.index == index) return record;
@@ -251,20 +229,19 @@ const TrialRecord& find_trial(const Dataset& dataset, std::uint64_t index) {
                    std::to_string(dataset.records.size()) + " trials");
 }
 
-/// The study's file as it was, but for the places of the files it names.
-fs::path write_study(const Dataset& dataset, const fs::path& folder) {
+/// The study as it was, with the files that it names in place of their paths, which it does not keep.
+Study stored_study(const Dataset& dataset) {
   if (dataset.provenance.files.empty())
     throw InputError(
         "this dataset does not hold the files that its trials depend on: it was made by a program before " +
         std::string("they were stored; run its campaign again"));
-  Json study = Json::parse(dataset.provenance.study, "study stored in the dataset");
-  for (const auto& [name, text] : dataset.provenance.files) {
-    write_file_atomically(folder / (name + ".json"), text);
-    if (name == "vehicle") study["vehicle"] = name + ".json";
-    if (name == "calibration") study["soil"]["calibration"] = name + ".json";
-  }
-  write_file_atomically(folder / "study.json", study.dump(2) + "\n");
-  return folder / "study.json";
+  const char* name = "study stored in the dataset";
+  Json json = Json::parse(dataset.provenance.study, name);
+  json["vehicle"] = "vehicle";
+  json["soil"]["calibration"] = "calibration";
+  Study study = read_study(Config::parse(json.dump(), name));
+  for (const auto& [file, text] : dataset.provenance.files) study.stored[file] = text;
+  return study;
 }
 
 sim::Backend device_of(const Dataset& dataset) {
@@ -280,9 +257,7 @@ sim::Backend device_of(const Dataset& dataset) {
 Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads) {
   const TrialRecord& stored = find_trial(dataset, index);
   const sim::Backend device = device_of(dataset);
-  const TemporaryPlace place;
-  const TrialSetup setup =
-      read_trial_setup(read_study(write_study(dataset, place.folder())), default_packing_folder(), device);
+  const TrialSetup setup = read_trial_setup(stored_study(dataset), default_packing_folder(), device);
   const int all = threads_or_all(threads);
   prepare_trials(setup, std::span(&stored.point, 1), all);
   Replay replay;

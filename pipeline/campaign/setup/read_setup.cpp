@@ -174,9 +174,8 @@ void check_sizes(const Study& study, const TrialSetup& s) {
                                         number_text(depth->high + 2 * grain, 3) + " m or more");
 }
 
-/// Reads the file of the setup's vehicle.
-void read_vehicle_file(TrialSetup& s) {
-  s.vehicle = vehicle::read_any_vehicle(s.vehicle_file);
+void read_vehicle_file(const Config& file, TrialSetup& s) {
+  s.vehicle = vehicle::read_any_vehicle(file);
   if (s.vehicle.kind == vehicle::VehicleKind::single_wheel)
     throw InputError(
         s.vehicle_file.string() +
@@ -213,10 +212,10 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   if (study.vehicle.empty())
     study.config.fail("vehicle", "missing; name a vehicle file, for example ../vehicles/hmmwv_quarter.json");
   s.vehicle_file = study.vehicle;
-  read_vehicle_file(s);
+  read_vehicle_file(study.file_named("vehicle", s.vehicle_file), s);
   const Config soil = study.section("soil");
   s.calibration_file = soil.path("calibration");
-  s.calibration = terrain::read_calibration(s.calibration_file);
+  s.calibration = terrain::read_calibration(study.file_named("calibration", s.calibration_file));
   soil.finish();
   terrain::AskedNumerics asked;
   if (const auto trial = study.config.object_if("trial")) {
@@ -247,7 +246,7 @@ TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::
   s.packing_folder = packing_folder;
   s.task = std::move(task);
   s.vehicle_file = vehicle;
-  read_vehicle_file(s);
+  read_vehicle_file(Config::read(vehicle), s);
   s.name = s.vehicle.name;
   s.calibration_file = calibration;
   s.calibration = terrain::read_calibration(calibration);

@@ -2,9 +2,15 @@
 
 namespace gonogo::campaign {
 
-Study read_study(const std::filesystem::path& path) {
-  const Config config = Config::read(path);
-  Study study{.file = path,
+Config Study::file_named(const std::string& name, const std::filesystem::path& path) const {
+  const auto text = stored.find(name);
+  return text == stored.end() ? Config::read(path) : Config::parse(text->second, name + " stored in the dataset");
+}
+
+Study read_study(const std::filesystem::path& path) { return read_study(Config::read(path)); }
+
+Study read_study(const Config& config) {
+  Study study{.file = config.file(),
               .name = config.text("study"),
               .seed = 0,
               .config = config,

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -18,6 +19,11 @@ struct Study {
   std::filesystem::path vehicle;  // JSON of the vehicle; empty when the study names none
   std::filesystem::path region;   // JSON of the region; empty when the study names none
   double gravity = kGravity;      // where its vehicle drives [m/s^2]
+  /// Texts of "vehicle" and "calibration", of a study that a dataset holds with its files; otherwise empty.
+  std::map<std::string, std::string> stored{};
+
+  /// One of those files: what is stored, otherwise what is at `path`.
+  Config file_named(const std::string& name, const std::filesystem::path& path) const;
 
   /// A section that this command cannot do without; throws InputError naming the file and the missing section.
   Config section(const std::string& key) const { return config.object(key); }
@@ -33,5 +39,6 @@ inline constexpr const char* kGravityKey = "gravity_m_per_s2";
 /// folder. Readers of sections check the keys inside. Throws InputError for top-level keys other than study, about,
 /// seed, gravity, vehicle, soil, trial, design, compute, learning, region and map.
 Study read_study(const std::filesystem::path& path);
+Study read_study(const Config& config);
 
 }  // namespace gonogo::campaign
