@@ -25,11 +25,21 @@ std::string table(const terrain::Calibration& c) {
     text += line("packing settled at friction %.2f: solid fraction %.4f, relative density %.2f\n", p.settle_friction,
                  p.solid_fraction, p.relative_density);
   }
-  text += "friction  rolling   friction angle [deg]   cohesion / contact pressure   loosest solid fraction\n";
-  for (const terrain::ContactLevel& l : c.contact) {
-    text += line("%8.2f %8.2f   %9.2f +- %.2f      %9.3f +- %.3f          %9.4f\n", l.friction, l.rolling_friction,
-                 l.friction_angle, l.friction_angle_error, l.cohesion_gain, l.cohesion_gain_error,
-                 l.loosest_solid_fraction);
+  const std::size_t packings = c.packing.size();
+  text += "                    friction angle [deg], mean over packings\n";
+  text +=
+      "friction  rolling   triaxial peak   shear plane: peak, steady   cohesion / contact pressure   loosest solid "
+      "fraction\n";
+  for (std::size_t k = 0; k < c.contact.size(); ++k) {
+    const terrain::ContactLevel& l = c.contact[k];
+    double peak = 0, steady = 0;
+    for (std::size_t p = 0; p < packings; ++p) {
+      peak += c.response[k * packings + p].shear_peak.degrees / double(packings);
+      steady += c.response[k * packings + p].shear_steady.degrees / double(packings);
+    }
+    text += line("%8.2f %8.2f   %5.2f +- %.2f            %5.2f, %5.2f            %9.3f +- %.3f          %9.4f\n",
+                 l.friction, l.rolling_friction, l.friction_angle, l.friction_angle_error, peak, steady,
+                 l.cohesion_gain, l.cohesion_gain_error, l.loosest_solid_fraction);
   }
   return text;
 }
