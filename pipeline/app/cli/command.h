@@ -4,6 +4,7 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -111,5 +112,24 @@ struct CommandEntry {
 
 /// All commands in the order of the help (commands.cpp.in).
 std::span<const CommandEntry> all_commands();
+
+template <class Value>
+std::string name_in(const std::map<std::string, Value>& names, Value value) {
+  for (const auto& [name, v] : names)
+    if (v == value) return name;
+  return "?";
+}
+
+/// An option whose value is one of `names`.
+template <class Value>
+void add_choice(CLI::App& command, const std::string& flag, Value& value, const std::map<std::string, Value>& names,
+                const std::string& what) {
+  std::vector<std::string> words;
+  for (const auto& [name, v] : names) words.push_back(name);
+  const auto set = [&value, names](const std::string& name) { value = names.at(name); };
+  command.add_option_function<std::string>(flag, set, what)
+      ->check(CLI::IsMember(words))
+      ->default_str(name_in(names, value));
+}
 
 }  // namespace gonogo::app

@@ -5,38 +5,17 @@
 
 #include "base/format.h"
 #include "pipeline/app/cli/command.h"
+#include "pipeline/app/trials/numerics_options.h"
 #include "sim/law/contact_law.h"
 #include "sim/local_problem/methods/solve.h"
-#include "sim/simulation/simulation.h"
 
 namespace gonogo::app {
-
-inline const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
 
 inline const std::map<std::string, sim::ContactMethod> kSolvers = [] {
   std::map<std::string, sim::ContactMethod> methods;
   for (const std::string& name : sim::method_names()) methods[name] = sim::method_named(name);
   return methods;
 }();
-
-template <class Value>
-std::string name_in(const std::map<std::string, Value>& names, Value value) {
-  for (const auto& [name, v] : names)
-    if (v == value) return name;
-  return "?";
-}
-
-/// An option whose value is one of `names`.
-template <class Value>
-void add_choice(CLI::App& command, const std::string& flag, Value& value, const std::map<std::string, Value>& names,
-                const std::string& what) {
-  std::vector<std::string> words;
-  for (const auto& [name, v] : names) words.push_back(name);
-  const auto set = [&value, names](const std::string& name) { value = names.at(name); };
-  command.add_option_function<std::string>(flag, set, what)
-      ->check(CLI::IsMember(words))
-      ->default_str(name_in(names, value));
-}
 
 inline void add_solver(CLI::App& command, sim::ContactMethod& solver) {
   std::vector<std::string> laws;

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "pipeline/app/cli/work.h"
+#include "pipeline/app/trials/numerics_options.h"
 #include "pipeline/campaign/engine/campaign.h"
 #include "pipeline/campaign/engine/cluster/slurm.h"
 #include "pipeline/campaign/engine/study_campaign.h"
@@ -329,8 +330,7 @@ void add_worker(CLI::App& parent) {
   auto study = std::make_shared<std::string>();
   auto options = std::make_shared<campaign::WorkerOptions>();
   command->add_option("study", *study)->type_name(kStudy)->required();
-  const std::map<std::string, sim::Backend> devices{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
-  command->add_option("--device", options->device)->transform(CLI::CheckedTransformer(devices));
+  add_choice(*command, "--device", options->device, kBackends, "");
   command->add_option("--places", options->places)->check(CLI::Range(1, 4096));
   command->add_option("--gpu", options->gpu);
   command->add_option("--checkpoints", options->checkpoints);

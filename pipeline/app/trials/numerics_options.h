@@ -1,10 +1,16 @@
-// Options of commands that simulate grains: time step and contact solver.
+// Options of commands that simulate grains: device, time step and contact solver.
 #pragma once
+#include <map>
+#include <string>
+
 #include "pipeline/app/cli/command.h"
 #include "terrain/bed/bed.h"
 #include "terrain/soil/calibration.h"
 
 namespace gonogo::app {
+
+/// Devices by name, see add_choice().
+inline const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
 
 /// --step, --substeps, --iterations, --tolerance, --give, --target. `whose` begins each description: "Trials".
 void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);

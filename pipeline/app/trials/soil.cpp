@@ -1,4 +1,3 @@
-#include <map>
 #include <memory>
 #include <string>
 
@@ -54,15 +53,6 @@ void add_shape(CLI::App& command, terrain::GrainShape& shape) {
       ->check(CLI::IsMember(terrain::grain_shape_names()));
 }
 
-void add_device(CLI::App& command, sim::Backend& device) {
-  const std::map<std::string, sim::Backend> devices{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
-  command
-      .add_option("--device", device,
-                  "Device that computes the tests, cpu or cuda: there all in one batch; default: cpu")
-      ->transform(CLI::CheckedTransformer(devices))
-      ->option_text("TEXT");
-}
-
 /// Options of all tests.
 void add_soil_options(CLI::App& command, inspect::SoilTestRequest& r) {
   const auto real = [](Real& target, double scale) { return [&target, scale](double x) { target = Real(x * scale); }; };
@@ -82,7 +72,7 @@ void add_soil_options(CLI::App& command, inspect::SoilTestRequest& r) {
       ->capture_default_str();
   command.add_option("--seed", r.soil.seed, "First seed")->check(kSeed)->capture_default_str();
   add_number(command, "--seeds", r.seeds, {1, 100}, "Packings, one per seed");
-  add_device(command, r.device);
+  add_choice(command, "--device", r.device, kBackends, "Device that computes the tests, on cuda all in one batch");
   command.add_flag("--quick", r.quick, "Smaller beds and shorter paths, for a first look");
 }
 
@@ -151,7 +141,7 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   command->add_flag(
       "--keep-tests", *keep,
       "Keep the tests (OUT.tests) beside the finished table, for a run with more seeds or levels to continue");
-  add_device(*command, run->device);
+  add_choice(*command, "--device", run->device, kBackends, "Device that computes the tests, on cuda all in one batch");
   add_numerics_options(*command, run->numerics, "Trials");
   add_named(*command, "--out", *out, kFile, "Table to write (JSON); finished tests are kept beside it until it is done")
       ->required();
