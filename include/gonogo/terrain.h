@@ -54,17 +54,26 @@ class Bed {
 
 /// A soil as a laboratory describes it.
 struct Soil {
-  double friction_angle = 0;    // at the peak of drained triaxial compression [deg]
-  double cohesion = 0;          // [Pa]
-  double bulk_density = 0;      // [kg/m^3]; 0: not given
-  double relative_density = 0;  // from 0, loosest, to 1, densest [-]
+  double friction_angle = 0;      // of the test that is named below; by itself the peak of triaxial compression [deg]
+  double cohesion = 0;            // [Pa]
+  double bulk_density = 0;        // [kg/m^3]; 0: not given
+  double relative_density = 0;    // from 0, loosest, to 1, densest [-]
+  std::string test = "triaxial";  // or "direct_shear", "ring_shear", "plane_strain", "repose"
+  bool residual = false;          // the angle after the peak
+  double dilation = 0;            // that was measured at it [deg]
 };
+
+/// The same soil in numbers of triaxial compression, peak, without dilation beyond what it names.
+Soil as_triaxial(const Soil& soil);
 
 /// A soil of a file at one moisture. Properties are uniformly distributed over their ranges.
 struct SoilState {
   std::string name{}, texture{}, moisture{};
   Range friction_angle{}, cohesion{}, bulk_density{}, relative_density{};  // units as in Soil
   Soil middle() const;
+  std::string test = "triaxial";  // of the friction angle, as in Soil
+  bool residual = false;
+  double dilation = 0;
 };
 
 /// States of a soil's file, or of a shipped soil ("sandy_loam", "usda").

@@ -50,8 +50,21 @@ Bed bed_of(terrain::Packing packing) {
   return Bed(std::make_shared<Bed::Impl>(Bed::Impl{std::move(packing), settings}));
 }
 
+terrain::AngleMeaning meaning_of(const Soil& s) {
+  return {.test = terrain::strength_test_of(s.test),
+          .stage = s.residual ? terrain::Stage::residual : terrain::Stage::peak,
+          .dilation = s.dilation};
+}
+
 terrain::MacroscopicSoil macroscopic(const Soil& s) {
-  return {s.friction_angle, s.cohesion, s.bulk_density, s.relative_density};
+  return {s.friction_angle, s.cohesion, s.bulk_density, s.relative_density, meaning_of(s)};
+}
+
+Soil soil_of(const terrain::MacroscopicSoil& s) {
+  return {.friction_angle = s.friction_angle,
+          .cohesion = s.cohesion,
+          .bulk_density = s.bulk_density,
+          .relative_density = s.relative_density};
 }
 
 /// `unit`: SI units of one unit of the file.
@@ -99,8 +112,18 @@ StepSettings Bed::step_settings(double step, int iterations, double tolerance) c
           .cohesion_range = s.cohesion_range};
 }
 
+Soil as_triaxial(const Soil& soil) {
+  return guarded([&] { return soil_of(terrain::as_triaxial(macroscopic(soil))); });
+}
+
 Soil SoilState::middle() const {
-  return {friction_angle.middle(), cohesion.middle(), bulk_density.middle(), relative_density.middle()};
+  return {.friction_angle = friction_angle.middle(),
+          .cohesion = cohesion.middle(),
+          .bulk_density = bulk_density.middle(),
+          .relative_density = relative_density.middle(),
+          .test = test,
+          .residual = residual,
+          .dilation = dilation};
 }
 
 std::vector<SoilState> read_soil(const std::string& name_or_file) {
@@ -114,7 +137,10 @@ std::vector<SoilState> read_soil(const std::string& name_or_file) {
                         .friction_angle = range_of(s.friction_angle),
                         .cohesion = range_of(s.cohesion, 1000),
                         .bulk_density = range_of(s.bulk_density),
-                        .relative_density = range_of(s.relative_density)});
+                        .relative_density = range_of(s.relative_density),
+                        .test = name_of(s.meaning.test),
+                        .residual = s.meaning.stage == terrain::Stage::residual,
+                        .dilation = s.meaning.dilation});
     return result;
   });
 }
@@ -141,7 +167,10 @@ SoilGrains SoilTable::grains(const Soil& soil) const {
     result.bed.grain_density = fit.grain_density;
     result.bed.settle_friction = impl_->table.packing[fit.packing].settle_friction;
     result.bed.grain_shape = terrain::name_of(impl_->table.shape);
-    result.reached = {fit.friction_angle, fit.cohesion, fit.bulk_density, fit.relative_density};
+    result.reached = {.friction_angle = fit.friction_angle,
+                      .cohesion = fit.cohesion,
+                      .bulk_density = fit.bulk_density,
+                      .relative_density = fit.relative_density};
     result.friction_angle_error = fit.friction_angle_error;
     result.cohesion_error = fit.cohesion_error;
     return result;
@@ -153,6 +182,9 @@ std::string usda_texture(double sand, double silt, double clay) {
     throw InputError("usda_texture: sand, silt and clay are shares in percent that add up to 100");
   return terrain::usda_texture(sand, silt, clay);
 }
-double cone_index(const Soil& soil) { return terrain::cone_index(soil.cohesion, soil.friction_angle); }
+double cone_index(const Soil& soil) {
+  const Soil s = as_triaxial(soil);
+  return terrain::cone_index(s.cohesion, s.friction_angle);
+}
 
 }  // namespace gonogo::api

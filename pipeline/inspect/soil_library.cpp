@@ -33,6 +33,9 @@ Json state_json(const SoilState& s) {
   Json j;
   j["state"] = s.name;
   if (s.water_percent) j["water_percent"] = *s.water_percent;
+  j["test"] = name_of(s.meaning.test);
+  j["stage"] = s.meaning.stage == terrain::Stage::peak ? "peak" : "residual";
+  if (s.meaning.assumed) j["test_is_assumed"] = true;
   j["friction_angle_deg"] = json_of(s.friction_angle);
   j["cohesion_kPa"] = json_of(s.cohesion);
   j["bulk_density_kg_per_m3"] = json_of(s.bulk_density);
@@ -58,9 +61,11 @@ std::string sources_text(const SoilState& s) {
 
 std::string state_text(const SoilState& s) {
   std::string text = s.name + "\n";
-  text += line("    friction angle %s deg, cohesion %s kPa, bulk density %s kg/m3, relative density %s\n",
-               text_of(s.friction_angle).c_str(), text_of(s.cohesion).c_str(), text_of(s.bulk_density).c_str(),
-               text_of(s.relative_density).c_str());
+  text += line("    friction angle %s deg (%s), cohesion %s kPa, bulk density %s kg/m3, relative density %s\n",
+               text_of(s.friction_angle).c_str(), s.meaning.text().c_str(), text_of(s.cohesion).c_str(),
+               text_of(s.bulk_density).c_str(), text_of(s.relative_density).c_str());
+  if (s.meaning.assumed)
+    text += "    the angle does not say its test: " + terrain::readings_of(s.friction_angle.middle()) + "\n";
   if (s.bekker)
     text += line("    Bekker n %s, k_c %s kN/m^(n+1), k_phi %s kN/m^(n+2)\n", text_of(s.bekker->n).c_str(),
                  text_of(s.bekker->k_c).c_str(), text_of(s.bekker->k_phi).c_str());
@@ -70,10 +75,13 @@ std::string state_text(const SoilState& s) {
 std::string fit_text(const Json& fit) {
   if (const Json* refused = fit.find("refused")) return "    grains: " + refused->string() + "\n";
   const Json& off = fit.at("mismatch");
-  std::string text =
-      line("    grains: sliding friction %.3f, rolling %.3f, cohesion pressure %.1f kPa, solid %.0f kg/m3\n",
-           fit.at("friction").number(), fit.at("rolling_friction").number(),
-           fit.at("cohesion_pressure_Pa").number() / 1e3, fit.at("grain_density_kg_per_m3").number());
+  std::string text;
+  if (const Json* angle = fit.find("triaxial_friction_angle_deg"))
+    text += line("    in triaxial compression these grains show %.1f deg and %.2f kPa\n", angle->number(),
+                 fit.at("triaxial_cohesion_kPa").number());
+  text += line("    grains: sliding friction %.3f, rolling %.3f, cohesion pressure %.1f kPa, solid %.0f kg/m3\n",
+               fit.at("friction").number(), fit.at("rolling_friction").number(),
+               fit.at("cohesion_pressure_Pa").number() / 1e3, fit.at("grain_density_kg_per_m3").number());
   text += line("    mismatch: friction angle %+.2f +- %.2f deg, cohesion %+.0f +- %.0f %%, bulk density %+.1f %%",
                off.at("friction_angle_deg").number(), off.at("friction_angle_error_deg").number(),
                100 * off.at("cohesion").number(), 100 * off.at("cohesion_error").number(),

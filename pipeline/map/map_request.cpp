@@ -233,6 +233,7 @@ MapRequest read_map_request(const MapFiles& files) {
   request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
   request.model = outcome_model_of(trained);
   request.region = region_of(files, study, request.model);
+  if (trained.vehicle) request.region.table = trained.vehicle->table;
   if (!files.height_unit.empty()) request.region.elevation.heights.unit = files.height_unit;
   if (files.flat_is_ground) request.region.elevation.heights.flat_is_ground = true;
   add_members(request.model, files.members);

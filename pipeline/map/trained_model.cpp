@@ -118,8 +118,8 @@ std::string why_not_crossing(const TrainedModel& model, const TrainedModel& ditc
 
 std::string TrialVehicle::fidelity() const {
   return (vehicle::is_quarter(vehicle) ? "one wheel with a quarter of the vehicle" : std::string("whole vehicle")) +
-         line(" on grains of %.3g mm, %.1f across a %s", 1e3 * grain_diameter,
-              vehicle::tread_width(vehicle) / grain_diameter, vehicle.track ? "shoe" : "wheel") +
+         line(" on grains of %.3g mm, %.1f across a %s", 1e3 * table.grain_diameter,
+              vehicle::tread_width(vehicle) / table.grain_diameter, vehicle.track ? "shoe" : "wheel") +
          (gravity == kGravity ? "" : ", gravity " + gravity_text(gravity));
 }
 
@@ -132,7 +132,7 @@ std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance
   v.file = file.json();
   v.name = file.text("vehicle");
   v.vehicle = vehicle::read_any_vehicle(file);
-  v.grain_diameter = Json::parse(*soil, where + ": calibration").at("grain_diameter_m").number();
+  v.table = terrain::read_calibration(Config::parse(*soil, where + ": calibration"));
   const campaign::TrialSettings settings = campaign::settings_of(provenance, where);
   v.gravity = settings.gravity;
   v.compliant_tyres = settings.compliant_tyres;
@@ -238,10 +238,10 @@ void require_study(const TrainedModel& model, const fs::path& study_file) {
   const auto soil = study.config.object_if("soil");
   if (!soil || !soil->has("calibration")) return;
   const double grain = Config::read(soil->path("calibration")).number("grain_diameter_m");
-  if (grain != model.vehicle->grain_diameter)
+  if (grain != model.vehicle->table.grain_diameter)
     throw InputError(
         study_file.string() + ": soil.calibration: " +
-        line("has grains of %g m, and the trials of the model had %g m", grain, model.vehicle->grain_diameter) +
+        line("has grains of %g m, and the trials of the model had %g m", grain, model.vehicle->table.grain_diameter) +
         "; give the study of those trials, or one without a soil");
 }
 

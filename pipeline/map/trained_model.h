@@ -12,6 +12,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/outcome/answer/predictor.h"
+#include "terrain/soil/calibration.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::map {
@@ -22,7 +23,7 @@ struct TrialVehicle {
   vehicle::Vehicle vehicle;
   bool compliant_tyres = false;  // tyres gave way in the trials
   double wheel_rolling = 0;      // rolling friction of grains on wheels over that between grains [-]
-  double grain_diameter = 0;     // [m]
+  terrain::Calibration table{};  // of the grains
   double gravity = kGravity;     // [m/s^2]
   Json file;                     // text of the vehicle's file
 

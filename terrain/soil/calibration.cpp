@@ -116,6 +116,66 @@ double gain_error_at(const Calibration& c, const PlaceOnLine& at) {
   return at.between(c.contact[at.level - 1].cohesion_gain_error, c.contact[at.level].cohesion_gain_error);
 }
 
+/// Which of a table's curves shows an angle of this meaning. Soil on a slope at rest has sheared: heaps of grains
+/// repose at their steady triaxial angle (docs/validation.md).
+Angle measured(const SoilResponse& r, const AngleMeaning& m) {
+  const bool peak = m.stage == Stage::peak;
+  if (m.is_on_plane()) return peak ? r.shear_peak : r.shear_steady;
+  if (m.test == StrengthTest::repose) return {r.steady_friction_angle, 0};
+  if (m.test != StrengthTest::triaxial) return {};
+  return peak ? Angle{r.friction_angle, r.friction_angle_error} : Angle{r.steady_friction_angle, 0};
+}
+
+/// Angles of all contact levels in a packing; empty where the table has no such curve. Means of neighbours in place of
+/// falls, so that the curve can be inverted (pool adjacent violators).
+std::vector<double> curve_of(const Calibration& c, std::size_t packing, const AngleMeaning& meaning) {
+  if (!knows_packings(c)) return {};
+  struct Block {
+    double sum;
+    std::size_t count;
+    double mean() const { return sum / double(count); }
+  };
+  std::vector<Block> block;
+  for (std::size_t k = 0; k < c.contact.size(); ++k) {
+    const double angle = measured(c.response[k * c.packing.size() + packing], meaning).degrees;
+    if (!(angle > 0)) return {};
+    block.push_back({angle, 1});
+    for (std::size_t n = block.size(); n > 1 && block[n - 2].mean() > block[n - 1].mean(); n = block.size()) {
+      block[n - 2] = {block[n - 2].sum + block[n - 1].sum, block[n - 2].count + block[n - 1].count};
+      block.pop_back();
+    }
+  }
+  std::vector<double> curve;
+  for (const Block& b : block) curve.insert(curve.end(), b.count, b.mean());
+  return curve;
+}
+
+/// Value of the curve (x, y) at `at`; in proportion below, and as much higher above.
+double along(const std::vector<double>& x, const std::vector<double>& y, double at) {
+  if (at <= x.front()) return y.front() * at / x.front();
+  if (at >= x.back()) return y.back() + at - x.back();
+  const std::size_t k = std::size_t(std::upper_bound(x.begin(), x.end(), at) - x.begin());
+  return y[k - 1] + (y[k] - y[k - 1]) * (at - x[k - 1]) / std::max(1e-9, x[k] - x[k - 1]);
+}
+
+/// In a packing: of the angle's meaning to triaxial compression, or back.
+double converted(const Calibration& c, std::size_t packing, const AngleMeaning& from, const AngleMeaning& to,
+                 double angle) {
+  return along(curve_of(c, packing, from), curve_of(c, packing, to), angle);
+}
+
+/// The packing whose relative density is nearest, by the triaxial angle that the soil has in each.
+template <class AngleIn>
+std::size_t nearest_packing(const Calibration& c, double density, AngleIn angle_in) {
+  const auto off = [&](std::size_t p) {
+    return std::fabs(relative_density(c, nearest_place(c, angle_in(p), p), p) - density);
+  };
+  std::size_t best = 0;
+  for (std::size_t p = 1; p < c.packing.size(); ++p)
+    if (off(p) < off(best)) best = p;
+  return best;
+}
+
 constexpr double kQuartz = 2650;                                // [kg/m^3]
 constexpr double kLightestSolid = 1000, kHeaviestSolid = 5000;  // [kg/m^3]
 constexpr double kCohesionTolerance = 0.2;
@@ -167,21 +227,74 @@ void check_cohesion_reach(const Calibration& c, const MacroscopicSoil& soil, con
 
 }  // namespace
 
+MacroscopicSoil as_triaxial(const MacroscopicSoil& soil) {
+  MacroscopicSoil s = soil;
+  s.meaning = {};
+  const AngleMeaning& m = soil.meaning;
+  if (m.test == StrengthTest::plane_strain) {
+    s.friction_angle /= kPlaneStrainRatio;
+  } else if (m.is_on_plane()) {
+    s.friction_angle = angle_of_triaxial(soil.friction_angle, m.dilation);
+    s.cohesion /= cohesion_on_plane(s.friction_angle, m.dilation);
+  } else if (m.test != StrengthTest::triaxial && m.test != StrengthTest::repose) {
+    throw InputError("soil: the test " + name_of(m.test) +
+                     " shows no friction angle; give one of triaxial compression, direct shear, ring shear, plane "
+                     "strain or repose");
+  }
+  return s;
+}
+
+MacroscopicSoil as_triaxial(const Calibration& c, const MacroscopicSoil& soil) {
+  const AngleMeaning& m = soil.meaning;
+  if (m.is_triaxial_peak()) return soil;
+  // A dilation that was measured says more than grains that dilate as they do.
+  if (m.dilation != 0 || curve_of(c, 0, m).empty()) return as_triaxial(soil);
+  const auto angle_in = [&](std::size_t p) { return converted(c, p, m, {}, soil.friction_angle); };
+  MacroscopicSoil s = soil;
+  s.meaning = {};
+  s.friction_angle = angle_in(nearest_packing(c, soil.relative_density, angle_in));
+  if (m.is_on_plane()) s.cohesion /= cohesion_on_plane(s.friction_angle);
+  return s;
+}
+
+namespace {
+
+constexpr AngleMeaning kOnPlane{StrengthTest::direct_shear, Stage::peak};
+
+bool is_on_plane_at_peak(const AngleMeaning& m) { return m.is_on_plane() && m.stage == Stage::peak; }
+
+}  // namespace
+
+MacroscopicSoil on_shear_plane(const MacroscopicSoil& soil) {
+  if (is_on_plane_at_peak(soil.meaning)) return soil;
+  MacroscopicSoil s = as_triaxial(soil);
+  s.cohesion *= cohesion_on_plane(s.friction_angle);
+  s.friction_angle = angle_on_plane(s.friction_angle);
+  s.meaning = kOnPlane;
+  return s;
+}
+
+MacroscopicSoil on_shear_plane(const Calibration& c, const MacroscopicSoil& soil) {
+  if (is_on_plane_at_peak(soil.meaning)) return soil;
+  MacroscopicSoil s = as_triaxial(c, soil);
+  if (curve_of(c, 0, kOnPlane).empty()) return on_shear_plane(s);
+  s.cohesion *= cohesion_on_plane(s.friction_angle);
+  s.friction_angle = converted(c, packing_level(c, s), {}, kOnPlane, s.friction_angle);
+  s.meaning = kOnPlane;
+  return s;
+}
+
 std::size_t packing_level(const Calibration& c, const MacroscopicSoil& soil) {
-  const auto off = [&](std::size_t p) {
-    return std::fabs(relative_density(c, nearest_place(c, soil.friction_angle, p), p) - soil.relative_density);
-  };
-  std::size_t best = 0;
-  for (std::size_t p = 1; p < c.packing.size(); ++p)
-    if (off(p) < off(best)) best = p;
-  return best;
+  const double angle = as_triaxial(c, soil).friction_angle;
+  return nearest_packing(c, soil.relative_density, [&](std::size_t) { return angle; });
 }
 
 double reachable_cohesion(const Calibration& c, double friction_angle, std::size_t packing) {
   return max_cohesion(c, place_on_line(c, friction_angle, packing));
 }
 
-sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil, std::size_t packing) {
+sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& given, std::size_t packing) {
+  const MacroscopicSoil soil = as_triaxial(c, given);
   const PlaceOnLine at = place_on_line(c, soil.friction_angle, packing);
   check_cohesion_reach(c, soil, at);
   const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
@@ -189,7 +302,8 @@ sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil, std:
           Real(soil.cohesion / gain_at(c, at))};
 }
 
-SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
+SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& given) {
+  const MacroscopicSoil soil = as_triaxial(c, given);
   SoilFit f;
   f.packing = packing_level(c, soil);
   const PlaceOnLine at = place_on_line(c, soil.friction_angle, f.packing);

@@ -18,6 +18,7 @@
 #include "base/json/config.h"
 #include "base/json/json.h"
 #include "terrain/bed/bed.h"
+#include "terrain/soil/strength.h"
 
 namespace gonogo::terrain {
 
@@ -68,7 +69,20 @@ struct MacroscopicSoil {
   double cohesion;              // [Pa]
   double bulk_density = 0;      // [kg/m^3]; 0: not given
   double relative_density = 0;  // [-]
+  AngleMeaning meaning{};       // of friction angle and cohesion
 };
+
+/// The soil in numbers of triaxial compression, peak, as every function below takes it by itself. With a table these
+/// are the numbers of grains that show the given ones in the given test, at the packing of the soil's relative density.
+/// Beyond the ends of the table's curve they go on in proportion. Where the table has no such curve, or without a
+/// table, strength.h converts, and a residual angle or one of repose counts as the peak's. Throws InputError for a test
+/// that shows no friction angle.
+MacroscopicSoil as_triaxial(const Calibration& calibration, const MacroscopicSoil& soil);
+MacroscopicSoil as_triaxial(const MacroscopicSoil& soil);
+
+/// The soil in numbers of the plane of shear, peak, as formulas for wheels take them: the reverse of as_triaxial().
+MacroscopicSoil on_shear_plane(const Calibration& calibration, const MacroscopicSoil& soil);
+MacroscopicSoil on_shear_plane(const MacroscopicSoil& soil);
 
 /// The packing level whose relative density is nearest to the soil's, for grains with the soil's friction angle in that
 /// packing. Relative density is (1 / f_loose - 1 / f) / (1 / f_loose - 1 / f_dense), with solid fractions f of the

@@ -32,7 +32,105 @@ SoilValue read_value(const Config& values, const std::string& key, Range allowed
   return v;
 }
 
-SoilState read_state(const Config& c) {
+constexpr Range kAngles = {0, 60}, kCohesions = {0, 200};  // [deg], [kPa]
+
+std::optional<SoilValue> value_if(const Config& c, const std::string& key, Range allowed) {
+  return c.has(key) ? std::optional(read_value(c, key, allowed)) : std::nullopt;
+}
+
+/// Keys of Bekker's numbers: all three or none.
+std::optional<Bekker> read_bekker(const Config& c, const std::string& prefix) {
+  const std::string n = prefix + "n", k_c = prefix + "k_c_kN_per_m_n_plus_1",
+                    k_phi = prefix + "k_phi_kN_per_m_n_plus_2";
+  if (!c.has(n) && !c.has(k_c) && !c.has(k_phi)) return std::nullopt;
+  return Bekker{read_value(c, n, {0.01, 3}), read_value(c, k_c, {-1e5, 1e5}), read_value(c, k_phi, {0, 1e6})};
+}
+
+std::optional<Range> range_if(const Config& c, const std::string& key, Range allowed) {
+  if (!c.has(key)) return std::nullopt;
+  const auto range = c.numbers(key, allowed);
+  if (range.size() != 2 || !(range[0] <= range[1])) c.fail(key, "needs two numbers, the lower one first");
+  return Range{range[0], range[1]};
+}
+
+/// Tests that show an angle, and a cohesion but for repose.
+void read_envelope(const Config& c, SoilTest& t) {
+  t.friction_angle = read_value(c, "friction_angle_deg", kAngles);
+  if (t.meaning.test == StrengthTest::repose) return;
+  t.meaning.stage = c.choice("stage", {"peak", "residual"}) == "peak" ? Stage::peak : Stage::residual;
+  t.cohesion = read_value(c, "cohesion_kPa", kCohesions);
+  t.normal_stress = range_if(c, "normal_stress_kPa", {0, 1e4});
+  t.meaning.dilation = c.number_or("dilation_deg", 0, {-20, 40});
+  if (t.meaning.is_on_plane()) t.janosi = value_if(c, "janosi_K_mm", {0.01, 1000});
+}
+
+void read_cone(const Config& c, SoilTest& t) {
+  t.cone_index = value_if(c, "index_kPa", {0, 1e5});
+  t.cone_gradient = value_if(c, "gradient_kPa_per_m", {0, 1e6});
+  if (!t.cone_index && !t.cone_gradient) c.fail("", "needs \"index_kPa\" or \"gradient_kPa_per_m\"");
+  t.cone_area = c.number_or("base_area_mm2", t.cone_area, {10, 1e5});
+  t.cone_depth = range_if(c, "depth_m", {0, 5}).value_or(t.cone_depth);
+}
+
+SoilTest read_test(const Config& c) {
+  SoilTest t;
+  t.meaning.test = strength_test_of(c.choice("test", strength_test_names()));
+  if (t.meaning.test == StrengthTest::unconfined) {
+    t.unconfined_strength = read_value(c, "strength_kPa", {0, 1e4});
+  } else if (t.meaning.test == StrengthTest::plate) {
+    t.bekker = read_bekker(c, "");
+    if (!t.bekker) c.fail("n", "is missing; a test of plates gives n, k_c_kN_per_m_n_plus_1, k_phi_kN_per_m_n_plus_2");
+    if (c.has("widths_m")) t.plate_widths = c.numbers("widths_m", {1e-3, 10});
+  } else if (t.meaning.test == StrengthTest::cone) {
+    read_cone(c, t);
+  } else {
+    read_envelope(c, t);
+  }
+  c.text_or("note", "");
+  c.finish();
+  return t;
+}
+
+/// Schema 1: one angle, of triaxial compression.
+void read_first_schema(const Config& v, SoilState& s) {
+  SoilTest t{.meaning = {.assumed = true}};
+  t.friction_angle = read_value(v, "friction_angle_deg", kAngles);
+  t.cohesion = read_value(v, "cohesion_kPa", kCohesions);
+  t.janosi = value_if(v, "janosi_K_mm", {0.01, 1000});
+  s.tests.push_back(std::move(t));
+  if (auto bekker = read_bekker(v, "bekker_")) {
+    SoilTest plate{.meaning = {.test = StrengthTest::plate}};
+    plate.bekker = std::move(bekker);
+    s.tests.push_back(std::move(plate));
+  }
+}
+
+/// What trials, maps and formulas take from the tests.
+void choose_strength(const Config& c, SoilState& s) {
+  const SoilTest* strength = nullptr;
+  for (const SoilTest& t : s.tests) {
+    if (t.friction_angle && !strength) strength = &t;
+    if (t.bekker && !s.bekker) s.bekker = t.bekker;
+    if (t.janosi && !s.janosi) s.janosi = t.janosi;
+  }
+  if (!strength)
+    c.fail("tests",
+           "none shows a friction angle; add one of triaxial, direct_shear, ring_shear, plane_strain or repose");
+  s.meaning = strength->meaning;
+  s.friction_angle = *strength->friction_angle;
+  s.cohesion =
+      strength->cohesion.value_or(SoilValue{0, 0, "", "a slope at rest tells no cohesion; none is assumed", ""});
+}
+
+/// A number outside of "tests" says no test: the file is of schema 1, or the test was forgotten.
+void refuse_loose_strength(const Config& v) {
+  if (!v.has("friction_angle_deg")) return;
+  const SoilValue angle = read_value(v, "friction_angle_deg", kAngles);
+  v.fail("friction_angle_deg",
+         "does not say its test: " + readings_of(angle.middle()) + "; move it to \"tests\" with the test it is from");
+}
+
+SoilState read_state(const Config& c, bool first_schema) {
   SoilState s;
   s.name = c.text("name");
   s.texture = c.text_or("texture", "");
@@ -40,14 +138,15 @@ SoilState read_state(const Config& c) {
   if (c.has("moisture")) s.moisture = c.choice("moisture", {"dry", "moist", "wet"});
   if (c.has("water_percent")) s.water_percent = c.number("water_percent", {0, 1000});
   const Config v = c.object("values");
-  s.friction_angle = read_value(v, "friction_angle_deg", {0, 60});
-  s.cohesion = read_value(v, "cohesion_kPa", {0, 200});
+  if (first_schema) {
+    read_first_schema(v, s);
+  } else {
+    refuse_loose_strength(v);
+    for (const Config& test : c.objects("tests")) s.tests.push_back(read_test(test));
+  }
+  choose_strength(c, s);
   s.bulk_density = read_value(v, "bulk_density_kg_per_m3", {800, 2500});
   s.relative_density = read_value(v, "relative_density", {0, 1});
-  if (v.has("bekker_n") || v.has("bekker_k_c_kN_per_m_n_plus_1") || v.has("bekker_k_phi_kN_per_m_n_plus_2"))
-    s.bekker = Bekker{read_value(v, "bekker_n", {0.01, 3}), read_value(v, "bekker_k_c_kN_per_m_n_plus_1", {-1e5, 1e5}),
-                      read_value(v, "bekker_k_phi_kN_per_m_n_plus_2", {0, 1e6})};
-  if (v.has("janosi_K_mm")) s.janosi = read_value(v, "janosi_K_mm", {0.01, 1000});
   v.finish();
   c.finish();
   return s;
@@ -70,16 +169,16 @@ double sinkage_mismatch(const Calibration& c, const SoilFit& fit, const Bekker& 
 }  // namespace
 
 MacroscopicSoil SoilState::macroscopic() const {
-  return {friction_angle.middle(), 1e3 * cohesion.middle(), bulk_density.middle(), relative_density.middle()};
+  return {friction_angle.middle(), 1e3 * cohesion.middle(), bulk_density.middle(), relative_density.middle(), meaning};
 }
 
 SoilFile read_soil(const std::filesystem::path& path) {
   const Config file = Config::read(path);
-  file.choice("schema", {"gonogo/soil/1"});
+  const bool first_schema = file.choice("schema", {"gonogo/soil/1", "gonogo/soil/2"}) == "gonogo/soil/1";
   SoilFile soil;
   soil.name = file.text("name");
   soil.about = file.text("about");
-  for (const Config& state : file.objects("states")) soil.states.push_back(read_state(state));
+  for (const Config& state : file.objects("states")) soil.states.push_back(read_state(state, first_schema));
   if (soil.states.empty()) file.fail("states", "needs at least one");
   if (file.has("fits")) {
     file.object("fits");
@@ -92,8 +191,12 @@ SoilFile read_soil(const std::filesystem::path& path) {
 Json fit_record(const Calibration& calibration, const SoilState& state) {
   Json j;
   j["state"] = state.name;
-  const MacroscopicSoil soil = state.macroscopic();
   try {
+    const MacroscopicSoil soil = as_triaxial(calibration, state.macroscopic());
+    if (!state.meaning.is_triaxial_peak()) {
+      j["triaxial_friction_angle_deg"] = soil.friction_angle;
+      j["triaxial_cohesion_kPa"] = soil.cohesion / 1e3;
+    }
     const SoilFit f = fit_soil(calibration, soil);
     j["friction"] = double(f.law.friction);
     j["rolling_friction"] = double(f.law.rolling_friction);

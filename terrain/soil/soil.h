@@ -98,15 +98,32 @@ struct Bekker {
   SoilValue n, k_c, k_phi;  // [-], [kN/m^(n+1)], [kN/m^(n+2)]
 };
 
+/// A strength test of a soil, with what it shows.
+struct SoilTest {
+  AngleMeaning meaning;
+  std::optional<SoilValue> friction_angle{}, cohesion{};   // [deg], [kPa]
+  std::optional<SoilValue> unconfined_strength{};          // [kPa]
+  std::optional<SoilValue> cone_index{}, cone_gradient{};  // [kPa], [kPa/m]
+  std::optional<Bekker> bekker{};                          // of plates
+  std::optional<SoilValue> janosi{};                       // K of Janosi and Hanamoto [mm]
+  std::optional<Range> normal_stress{};                    // of triaxial compression the lateral one [kPa]
+  double cone_area = 323;                                  // base of the cone [mm^2]
+  Range cone_depth{0, 0.1524};                             // over which an index is the mean [m]
+  std::vector<double> plate_widths{};                      // smaller sides [m]; empty: not given
+};
+
 struct SoilState {
   std::string name, texture, moisture, note;
   std::optional<double> water_percent;
-  SoilValue friction_angle;    // [deg]
-  SoilValue cohesion;          // [kPa]
   SoilValue bulk_density;      // [kg/m^3]
   SoilValue relative_density;  // [-]
-  std::optional<Bekker> bekker;
-  std::optional<SoilValue> janosi;  // shear displacement K of Janosi and Hanamoto [mm]
+  /// Of the file's first test that shows a friction angle. Others are evidence beside it.
+  SoilValue friction_angle;  // [deg]
+  SoilValue cohesion;        // [kPa]
+  AngleMeaning meaning;
+  std::optional<Bekker> bekker;     // of the first test of plates
+  std::optional<SoilValue> janosi;  // of the first test that gives it
+  std::vector<SoilTest> tests;
 
   /// The middle of every range.
   MacroscopicSoil macroscopic() const;
@@ -118,7 +135,8 @@ struct SoilFile {
   Json fits;  // by name of the table; null if there are none
 };
 
-/// Throws InputError for files that the schema does not allow.
+/// Reads gonogo/soil/2, and gonogo/soil/1, whose friction angles are those of triaxial compression. Throws InputError
+/// for files that the schema does not allow.
 SoilFile read_soil(const std::filesystem::path& path);
 
 /// Fit of a state by a table: contact law, density of the solid and mismatches, or why there is no fit.

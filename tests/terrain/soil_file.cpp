@@ -2,11 +2,13 @@
 #include "terrain/soil/soil.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/units.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {
@@ -61,7 +63,7 @@ TEST_CASE("a soil file with a number out of range, without a source, or with an 
   CHECK_THROWS_AS(read_soil(altered("\"fixed\": 28", "\"range\": [30, 28]")), InputError);
   CHECK_THROWS_AS(read_soil(altered("\"no_source\": \"no", "\"note\": \"no")), InputError);
   CHECK_THROWS_AS(read_soil(altered("\"water_percent\"", "\"water\"")), InputError);
-  CHECK_THROWS_AS(read_soil(altered("gonogo/soil/1", "gonogo/soil/9")), InputError);
+  CHECK_THROWS_AS(read_soil(altered("gonogo/soil/2", "gonogo/soil/9")), InputError);
 }
 
 TEST_CASE("a fit keeps contact law and mismatch in the soil's file, and says why a soil is refused") {
@@ -74,14 +76,16 @@ TEST_CASE("a fit keeps contact law and mismatch in the soil's file, and says why
   const Json& fit = soil.fits.at("calibration_90mm.json").items().at(0);
   CHECK(fit.at("mismatch").at("friction_angle_deg").number() == Approx(0).margin(1e-6));
   // The gain lies between those of the contact levels around the grains that were found.
-  const double gain = 1040 / fit.at("cohesion_pressure_Pa").number(), friction = fit.at("friction").number();
+  const double cohesion = fit.at("triaxial_cohesion_kPa").number();  // of 1.04 on the plane of shear
+  CHECK(cohesion == Approx(1.04 / std::cos(fit.at("triaxial_friction_angle_deg").number() * kDegree)));
+  const double gain = 1e3 * cohesion / fit.at("cohesion_pressure_Pa").number(), friction = fit.at("friction").number();
   const auto stronger = std::find_if(c.contact.begin(), c.contact.end(),
                                      [&](const ContactLevel& level) { return level.friction >= friction; });
   REQUIRE((stronger != c.contact.begin() && stronger != c.contact.end()));
   CHECK(gain >= std::prev(stronger)->cohesion_gain);
   CHECK(gain <= stronger->cohesion_gain);
   SoilState steep = soil.states.at(0);
-  steep.friction_angle.low = steep.friction_angle.high = 55;
+  steep.friction_angle.low = steep.friction_angle.high = 40;  // 57 of triaxial compression
   CHECK(fit_record(c, steep).at("refused").string().find("choose one between") != std::string::npos);
   std::filesystem::remove(path);
 }

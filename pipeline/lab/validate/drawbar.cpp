@@ -94,13 +94,13 @@ struct PartSum {
   std::vector<double> slip, pull, resistance, sinkage;
 };
 
-DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double friction_angle) {
+DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double shear_plane_angle) {
   DrawbarPoint p;
   p.slip = mean_error(part.slip).mean;
   p.pull = mean_error(part.pull);
   p.resistance = mean_error(part.resistance);
   p.sinkage = mean_error(part.sinkage).mean;
-  p.band = sand_band(v, friction_angle, p.slip);
+  p.band = sand_band(v, shear_plane_angle, p.slip);
   return p;
 }
 
@@ -148,13 +148,15 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   report.vehicle = v.name;
   report.compliant_tyres = r.compliant_tyres;
   report.friction_angle = r.friction_angle;
+  report.shear_plane_angle =
+      terrain::on_shear_plane(setup.calibration, {r.friction_angle, 0, 0, kRelativeDensity}).friction_angle;
   report.grains_per_tyre = campaign::grains_per_tyre(setup);
   for (const PartSum& k : part)
     if (const double slip = mean_error(k.slip).mean; slip > 0.01 && slip < 0.95)
-      report.point.push_back(point_of(k, v, r.friction_angle));
+      report.point.push_back(point_of(k, v, report.shear_plane_angle));
   std::sort(report.point.begin(), report.point.end(),
             [](const DrawbarPoint& a, const DrawbarPoint& b) { return a.slip < b.slip; });
-  for (int k = 1; k <= 19; ++k) report.band.push_back(sand_band(v, r.friction_angle, 0.05 * k));
+  for (int k = 1; k <= 19; ++k) report.band.push_back(sand_band(v, report.shear_plane_angle, 0.05 * k));
   return report;
 }
 
@@ -169,6 +171,7 @@ Json as_json(const DrawbarReport& r) {
   json["vehicle"] = r.vehicle;
   json["tyres"] = tyres(r);
   json["friction_angle_deg"] = r.friction_angle;
+  json["shear_plane_angle_deg"] = r.shear_plane_angle;
   json["grains_per_tyre"] = r.grains_per_tyre;
   json["label"] = r.grains_per_tyre >= campaign::kGrainsPerTyre ? "fine" : "coarse";
   int pull = 0, resistance = 0;
@@ -193,8 +196,10 @@ Json as_json(const DrawbarReport& r) {
 }
 
 std::string as_text(const DrawbarReport& r) {
-  std::string text = line("%s on %s tyres on sand of %.1f degrees, a tyre %.1f grains wide\n", r.vehicle.c_str(),
-                          tyres(r), r.friction_angle, r.grains_per_tyre);
+  std::string text = line(
+      "%s on %s tyres on sand of %.1f degrees by triaxial compression, %.1f on the plane of shear, a tyre "
+      "%.1f grains wide\n",
+      r.vehicle.c_str(), tyres(r), r.friction_angle, r.shear_plane_angle, r.grains_per_tyre);
   text += "  slip  sinkage [mm]  pull/weight   band             resistance/weight  band\n";
   for (const DrawbarPoint& p : r.point) {
     text += line("%6.3f  %12.1f  %+.3f        %+.3f to %+.3f%s  %+.3f             %+.3f to %+.3f%s\n", p.slip,
@@ -230,9 +235,9 @@ report::LinePlot plot_of(const DrawbarReport& r) {
   }
   plot.lines = {of_pull, of_resistance, pull, resistance};
   plot.notes.push_back(
-      line("friction angle %.1f degrees, %s tyres %.1f grains wide; formulas: Wong and Reece on two sands, "
-           "Mason et al. over cone indices",
-           r.friction_angle, tyres(r), r.grains_per_tyre));
+      line("friction angle %.1f degrees, on the plane of shear %.1f, %s tyres %.1f grains wide; formulas: Wong and "
+           "Reece on two sands, Mason et al. over cone indices",
+           r.friction_angle, r.shear_plane_angle, tyres(r), r.grains_per_tyre));
   return plot;
 }
 

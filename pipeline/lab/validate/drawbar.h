@@ -24,14 +24,14 @@ struct WheelOnSand {
 };
 
 /// Formulas: Wong and Reece on the dry sands of Wong's table, sand_net_traction over the cone indices of dry sand and,
-/// for tyres, sand_gross_traction. The sands get this friction angle [deg] and, in turn, no cohesion, their own, and
-/// `cohesion` [Pa]. Slip in (0, 1).
+/// for tyres, sand_gross_traction. The sands get this friction angle on the plane of shear [deg]
+/// and, in turn, no cohesion, their own, and `cohesion` [Pa]. Slip in (0, 1).
 TractionBand sand_band(const WheelOnSand& wheel, double friction_angle, double slip, double cohesion = 0);
 
 struct DrawbarRequest {
   std::filesystem::path vehicle, calibration;
   terrain::AskedNumerics numerics;          // in the place of the table's
-  double friction_angle = 30, speed = 1.5;  // of the sand [deg], [m/s]
+  double friction_angle = 30, speed = 1.5;  // of the sand by triaxial compression [deg], [m/s]
   double sweep = 12;                        // over which the load grows to the weight [s]
   int seeds = 1;
   bool folded = false;           // bed, see pipeline/campaign/setup/setup.h
@@ -55,7 +55,8 @@ struct DrawbarPoint {
 struct DrawbarReport {
   std::string vehicle;
   bool compliant_tyres = false;
-  double friction_angle = 0, grains_per_tyre = 0;
+  double friction_angle = 0, shear_plane_angle = 0;  // triaxial, on the plane of shear [deg]
+  double grains_per_tyre = 0;
   std::vector<DrawbarPoint> point;  // ascending in slip, of slips at which a formula holds
   std::vector<TractionBand> band;   // for a picture
 };

@@ -9,6 +9,7 @@
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/report/figure/chart.h"
+#include "terrain/soil/calibration.h"
 #include "vehicle/world/engine_vehicle.h"
 
 namespace gonogo::lab {
@@ -42,7 +43,20 @@ bool moved_uphill(const campaign::TrialRecord& r) {
          slip > kSlips[0] && slip < kSlips[std::size(kSlips) - 1];
 }
 
-GradePoint point_of(const campaign::TrialRecord& r, const vehicle::Vehicle& quarter) {
+/// The table of the trials' grains; none where the dataset does not hold it.
+std::optional<terrain::Calibration> table_of(const campaign::Dataset& dataset, const std::string& file) {
+  const std::string* text = campaign::input_text(dataset.provenance, "calibration");
+  if (!text) return std::nullopt;
+  return terrain::read_calibration(Config::parse(*text, file + ": calibration"));
+}
+
+terrain::MacroscopicSoil on_plane(const std::optional<terrain::Calibration>& table,
+                                  const terrain::MacroscopicSoil& soil) {
+  return table ? terrain::on_shear_plane(*table, soil) : terrain::on_shear_plane(soil);
+}
+
+GradePoint point_of(const campaign::TrialRecord& r, const vehicle::Vehicle& quarter,
+                    const std::optional<terrain::Calibration>& table) {
   GradePoint p;
   p.slope = campaign::variable_of(r, "slope_along");
   p.friction_angle = campaign::variable_of(r, "friction_angle");
@@ -54,7 +68,9 @@ GradePoint point_of(const campaign::TrialRecord& r, const vehicle::Vehicle& quar
   p.reason = r.reason;
   const WheelOnSand wheel =
       wheel_of(quarter, campaign::variable_of(r, "payload"), p.slope, campaign::variable_of(r, "slope_across"));
-  p.band = sand_band(wheel, p.friction_angle, p.slip, 1e3 * p.cohesion);
+  const terrain::MacroscopicSoil soil =
+      on_plane(table, {p.friction_angle, 1e3 * p.cohesion, 0, campaign::variable_of(r, "relative_density")});
+  p.band = sand_band(wheel, soil.friction_angle, p.slip, soil.cohesion);
   return p;
 }
 
@@ -83,15 +99,17 @@ GradeReport grade_report(const GradeRequest& request) {
   const vehicle::Vehicle quarter = vehicle::read_quarter_vehicle(request.vehicle);
   GradeReport report;
   report.label = empty_counts();
-  for (const campaign::TrialRecord& r : campaign::read_dataset(request.dataset).records) {
+  const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
+  const auto table = table_of(dataset, request.dataset.string());
+  for (const campaign::TrialRecord& r : dataset.records) {
     if (!is_of_interest(r, request)) continue;
     count(report.label, r);
-    if (moved_uphill(r)) report.point.push_back(point_of(r, quarter));
+    if (moved_uphill(r)) report.point.push_back(point_of(r, quarter, table));
   }
   if (report.point.empty())
     throw InputError(request.dataset.string() + ": no trial drove uphill on soil of at most " +
                      number_text(request.max_cohesion) + " kPa that its tyre grips; raise --cohesion");
-  const TractionBand band = sand_band(wheel_of(quarter, 0, 0, 0), 30, 0.4);
+  const TractionBand band = sand_band(wheel_of(quarter, 0, 0, 0), on_plane(table, {30, 0, 0, 0.5}).friction_angle, 0.4);
   for (int k = 0; k < 2; ++k) report.go_band[k] = degrees(band.pull[k]);
   for (const GradePoint& p : report.point) report.unsteady_passed += campaign::passes(p.verdict) && p.slip > 0.4;
   return report;

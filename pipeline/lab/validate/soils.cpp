@@ -139,7 +139,7 @@ std::vector<Inverted> soils_of(const Calibration& c) {
   std::vector<Inverted> soils;
   for (const char* name : {"dry_sand", "lete_sand", "sandy_loam", "grc1", "lean_clay"}) {
     const auto file = terrain::read_soil(shipped_file("soils", "soil", name));
-    const terrain::MacroscopicSoil soil = file.states.front().macroscopic();
+    const terrain::MacroscopicSoil soil = as_triaxial(c, file.states.front().macroscopic());
     try {
       soils.push_back({file.name, soil, fit_soil(c, soil)});
     } catch (const InputError&) {

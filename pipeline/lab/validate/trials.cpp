@@ -28,7 +28,7 @@ std::vector<double> plain_variables(const campaign::TrialSetup& setup, double sl
   const auto set = [&](const char* name, double x) { values[campaign::contract().variable_index(name)] = x; };
   set("slope_along", slope_along);
   set("friction_angle", friction_angle);
-  set("relative_density", 0.5);
+  set("relative_density", kRelativeDensity);
   set("tyre_friction", setup.vehicle.wheel.front().friction);
   set("bed_depth", 0.3);
   set("commanded_speed", speed);

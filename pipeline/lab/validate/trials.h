@@ -16,7 +16,8 @@ namespace gonogo::lab {
 /// The same variables with the seeds 0, 1, ...: replicates of one trial.
 std::vector<campaign::DesignPoint> replicates(const std::vector<double>& variables, int count);
 
-/// Dry soil of this friction angle, medium dense, 0.3 m deep, in the contract's order [deg], [m/s].
+inline constexpr double kRelativeDensity = 0.5;  // of plain_variables() [-]
+/// Dry soil of this triaxial friction angle, medium dense, 0.3 m deep, in the contract's order [deg], [m/s].
 std::vector<double> plain_variables(const campaign::TrialSetup& setup, double slope_along, double friction_angle,
                                     double speed);
 

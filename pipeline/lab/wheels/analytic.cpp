@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "base/error.h"
@@ -16,9 +17,9 @@ using vehicle::WheelForces;
 using vehicle::WheelMotion;
 
 /// Sets one number of a soil.
-using Setter = void (*)(BekkerSoil&, double);
+using Setter = std::function<void(BekkerSoil&, double)>;
 
-void add_ends(BekkerCases& cases, const terrain::SoilValue& value, Setter set) {
+void add_ends(BekkerCases& cases, const terrain::SoilValue& value, const Setter& set) {
   if (value.fixed()) return;
   for (const double end : {value.low, value.high}) {
     cases.soil.push_back(cases.soil.front());
@@ -84,18 +85,24 @@ std::map<Quantity, double> predict(const Benchmark& b, const BenchmarkPoint& p, 
 std::optional<BekkerCases> measured_numbers(const Benchmark& b) {
   const terrain::SoilState& s = b.soil;
   if (!s.bekker || !s.janosi) return std::nullopt;
+  const terrain::MacroscopicSoil sheared = terrain::on_shear_plane(s.macroscopic());
   BekkerCases cases{{BekkerSoil{.n = s.bekker->n.middle(),
                                 .k_c = 1e3 * s.bekker->k_c.middle(),
                                 .k_phi = 1e3 * s.bekker->k_phi.middle(),
-                                .cohesion = 1e3 * s.cohesion.middle(),
-                                .friction_angle = to_radians(s.friction_angle.middle()),
+                                .cohesion = sheared.cohesion,
+                                .friction_angle = to_radians(sheared.friction_angle),
                                 .shear_modulus = 1e-3 * s.janosi->middle(),
                                 .unit_weight = kGravity * s.bulk_density.middle()}}};
   add_ends(cases, s.bekker->n, [](BekkerSoil& soil, double x) { soil.n = x; });
   add_ends(cases, s.bekker->k_c, [](BekkerSoil& soil, double x) { soil.k_c = 1e3 * x; });
   add_ends(cases, s.bekker->k_phi, [](BekkerSoil& soil, double x) { soil.k_phi = 1e3 * x; });
-  add_ends(cases, s.cohesion, [](BekkerSoil& soil, double x) { soil.cohesion = 1e3 * x; });
-  add_ends(cases, s.friction_angle, [](BekkerSoil& soil, double x) { soil.friction_angle = to_radians(x); });
+  const double ratio = s.cohesion.middle() > 0 ? sheared.cohesion / (1e3 * s.cohesion.middle()) : 1;
+  add_ends(cases, s.cohesion, [ratio](BekkerSoil& soil, double x) { soil.cohesion = 1e3 * x * ratio; });
+  add_ends(cases, s.friction_angle, [&s](BekkerSoil& soil, double x) {
+    terrain::MacroscopicSoil end = s.macroscopic();
+    end.friction_angle = x;
+    soil.friction_angle = to_radians(terrain::on_shear_plane(end).friction_angle);
+  });
   add_ends(cases, *s.janosi, [](BekkerSoil& soil, double x) { soil.shear_modulus = 1e-3 * x; });
   return cases;
 }

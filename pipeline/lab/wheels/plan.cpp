@@ -193,15 +193,21 @@ double sinkage_from_tips(const Benchmark& b, const vehicle::Wheel& w, double sin
 }
 
 std::vector<AssumedCase> cases_of(const Benchmark& b, const terrain::Calibration& calibration, bool band) {
-  std::vector<AssumedCase> cases{{"", b.wheel_friction.value, b.soil.macroscopic()}};
+  std::vector<AssumedCase> cases{{"", b.wheel_friction.value, terrain::as_triaxial(calibration, b.soil.macroscopic())}};
   if (!band) return cases;
+  // The measured soil with one of its numbers at an end.
+  const auto altered = [&](double terrain::MacroscopicSoil::*member, double x) {
+    terrain::MacroscopicSoil soil = b.soil.macroscopic();
+    soil.*member = x;
+    return terrain::as_triaxial(calibration, soil);
+  };
   const terrain::SoilState& s = b.soil;
   add_ends(cases, "wheel friction", b.wheel_friction.low, b.wheel_friction.high,
            [](AssumedCase& c, double x) { c.wheel_friction = x; });
   add_ends(cases, "friction angle", s.friction_angle.low, s.friction_angle.high,
-           [](AssumedCase& c, double x) { c.soil.friction_angle = x; });
+           [&](AssumedCase& c, double x) { c.soil = altered(&terrain::MacroscopicSoil::friction_angle, x); });
   add_ends(cases, "cohesion [kPa]", s.cohesion.low, s.cohesion.high,
-           [](AssumedCase& c, double x) { c.soil.cohesion = 1e3 * x; });
+           [&](AssumedCase& c, double x) { c.soil = altered(&terrain::MacroscopicSoil::cohesion, 1e3 * x); });
   add_ends(cases, "bulk density", s.bulk_density.low, s.bulk_density.high,
            [](AssumedCase& c, double x) { c.soil.bulk_density = x; });
   add_ends(cases, "relative density", s.relative_density.low, s.relative_density.high,

@@ -190,6 +190,28 @@ std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state)
   return samples;
 }
 
+namespace {
+
+constexpr double kMediumDense = 0.5;  // where the relative density is not known [-]
+
+/// The point with the friction angle and cohesion that its soil has in triaxial compression.
+void make_triaxial(const Region& region, const terrain::AngleMeaning& meaning, std::vector<double>& point) {
+  const campaign::Contract& c = campaign::contract();
+  double &angle = point[c.variable_index("friction_angle")], &cohesion = point[c.variable_index("cohesion")];
+  const double density = point[c.variable_index("relative_density")];
+  const terrain::MacroscopicSoil given{.friction_angle = angle,
+                                       .cohesion = cohesion,
+                                       .bulk_density = 0,
+                                       .relative_density = std::isnan(density) ? kMediumDense : density,
+                                       .meaning = meaning};
+  const terrain::MacroscopicSoil soil =
+      region.table ? terrain::as_triaxial(*region.table, given) : terrain::as_triaxial(given);
+  angle = soil.friction_angle;
+  cohesion = soil.cohesion;
+}
+
+}  // namespace
+
 std::vector<std::vector<double>> soil_points(const Region& region, const Soil& soil, const Spreads& overriding,
                                              int draws) {
   std::vector<SoilSample> samples = soil.samples;
@@ -201,8 +223,13 @@ std::vector<std::vector<double>> soil_points(const Region& region, const Soil& s
     spreads.insert(sample.values.begin(), sample.values.end());
     spreads.insert(soil.values.begin(), soil.values.end());
     spreads.insert(region.values.begin(), region.values.end());
-    for (auto& point : spread_points(spreads, soil.draws > 0 ? soil.draws : draws, shift))
+    const auto angle = spreads.find("friction_angle");
+    const bool converts = angle != spreads.end() && angle->second.kind != Spread::Kind::unknown &&
+                          !angle->second.meaning.is_triaxial_peak();
+    for (auto& point : spread_points(spreads, soil.draws > 0 ? soil.draws : draws, shift)) {
+      if (converts) make_triaxial(region, angle->second.meaning, point);
       points.push_back(std::move(point));
+    }
     shift += soil.draws > 0;
   }
   return points;

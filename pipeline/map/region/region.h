@@ -11,6 +11,7 @@
 #include "pipeline/map/region/obstacle.h"
 #include "pipeline/map/region/soil.h"
 #include "terrain/raster/grid.h"
+#include "terrain/soil/calibration.h"
 
 namespace gonogo::map {
 
@@ -40,15 +41,16 @@ struct Region {
   RegionRaster elevation;
   std::optional<RegionRaster> soil_class, land_cover, moisture, cone_index;
   terrain::GridWish grid;
-  std::optional<double> gravity;           // [m/s^2]; none: that of the elevation's body
-  std::vector<LandRule> land;              // for the codes of land_cover
-  std::vector<MoistureState> moistures;    // empty: moisture is not told apart
-  std::vector<Obstacle> obstacles;         // in the file's order
-  std::optional<CrossingLimits> crossing;  // of the vehicle; none: obstacles but buildings are unknown
-  std::vector<Soil> soils;                 // empty without a soil raster: `values` hold everywhere
-  std::string texture;                     // of soils without one of their own; empty: not known
-  Spreads values;                          // for variables that a soil does not give
-  std::string soil_text{};                 // names and hashes of soils that come by name; empty: none does
+  std::optional<double> gravity;                // [m/s^2]; none: that of the elevation's body
+  std::vector<LandRule> land;                   // for the codes of land_cover
+  std::vector<MoistureState> moistures;         // empty: moisture is not told apart
+  std::vector<Obstacle> obstacles;              // in the file's order
+  std::optional<CrossingLimits> crossing;       // of the vehicle; none: obstacles but buildings are unknown
+  std::vector<Soil> soils;                      // empty without a soil raster: `values` hold everywhere
+  std::string texture;                          // of soils without one of their own; empty: not known
+  Spreads values;                               // for variables that a soil does not give
+  std::optional<terrain::Calibration> table{};  // of the model's grains, whose triaxial angle is the model's variable
+  std::string soil_text{};                      // names and hashes of soils that come by name; empty: none does
 };
 
 /// Reads a region file. Paths in it are relative to its folder. Does not open the rasters. Throws InputError.
@@ -68,8 +70,10 @@ inline std::size_t obstacle_rule(const Region& region, std::size_t obstacle, Cro
 }
 
 /// Equally likely points of a soil over the variables of the contract [points][variable count]; slopes are NaN. Every
-/// sample is combined with every one of `draws` points of the ranges. `overriding` wins over the soil's values, and
-/// these win over the region's. A soil's own number of draws wins over `draws`; its samples then take shifted sets.
+/// sample is combined with every one of `draws` points of the ranges. Friction angles of other tests, and the cohesions
+/// beside them, become those of triaxial compression, by the region's table where it has one. `overriding` wins over
+/// the soil's values, and these win over the region's. A soil's own number of draws wins over `draws`; its samples then
+/// take shifted sets.
 std::vector<std::vector<double>> soil_points(const Region& region, const Soil& soil, const Spreads& overriding,
                                              int draws);
 

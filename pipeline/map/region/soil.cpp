@@ -16,6 +16,18 @@ namespace gonogo::map {
 
 namespace {
 
+terrain::AngleMeaning read_meaning(const Config& config) {
+  terrain::AngleMeaning meaning{.assumed = !config.has("test")};
+  if (meaning.assumed) return meaning;
+  meaning.test = terrain::strength_test_of(
+      config.choice("test", {"triaxial", "direct_shear", "ring_shear", "plane_strain", "repose"}));
+  if (meaning.test == terrain::StrengthTest::repose) return meaning;
+  meaning.stage =
+      config.choice("stage", {"peak", "residual"}) == "peak" ? terrain::Stage::peak : terrain::Stage::residual;
+  meaning.dilation = config.number_or("dilation_deg", 0, {-20, 40});
+  return meaning;
+}
+
 Spread read_spread(const Config& config, const campaign::Variable& variable) {
   const Range allowed = {variable.minimum, variable.maximum};
   Spread spread;
@@ -32,6 +44,7 @@ Spread read_spread(const Config& config, const campaign::Variable& variable) {
     if (range.size() != 2 || !(range[0] < range[1])) config.fail("range", "expected [low, high]");
     spread = {Spread::Kind::range, range[0], range[1], config.text("source")};
   }
+  if (variable.name == "friction_angle") spread.meaning = read_meaning(config);
   config.finish();
   return spread;
 }
@@ -100,6 +113,8 @@ SoilSample read_sample(const Config& config) {
     const double value = config.number(variable.name, {variable.minimum, variable.maximum});
     sample.values[variable.name] = {Spread::Kind::fixed, value, value, sample.source};
   }
+  if (const auto angle = sample.values.find("friction_angle"); angle != sample.values.end())
+    angle->second.meaning = read_meaning(config);
   if (sample.values.empty()) config.fail("", "holds no variable; give for example friction_angle and cohesion");
   config.finish();
   return sample;
@@ -220,6 +235,7 @@ Spread spread_of(const terrain::SoilValue& value) {
 SoilSample sample_of(const terrain::SoilState& state) {
   SoilSample sample;
   sample.values["friction_angle"] = spread_of(state.friction_angle);
+  sample.values["friction_angle"].meaning = state.meaning;
   sample.values["cohesion"] = spread_of(state.cohesion);
   sample.values["relative_density"] = spread_of(state.relative_density);
   sample.source = state.name;

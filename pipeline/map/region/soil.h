@@ -8,6 +8,7 @@
 
 #include "base/json/config.h"
 #include "pipeline/campaign/study/contract.h"
+#include "terrain/soil/strength.h"
 
 namespace gonogo::map {
 
@@ -15,16 +16,18 @@ namespace gonogo::map {
 struct Spread {
   enum class Kind { unknown, fixed, range };
   Kind kind = Kind::unknown;
-  double low = 0, high = 0;  // [unit of the variable]; equal when fixed
-  std::string source;        // where the number comes from, or why there is none
+  double low = 0, high = 0;                        // [unit of the variable]; equal when fixed
+  std::string source;                              // where the number comes from, or why there is none
+  terrain::AngleMeaning meaning{.assumed = true};  // of a friction angle and the cohesion beside it
 };
 
 /// By name of the variable. A variable that is not listed is unknown, and the model sums it out.
 using Spreads = std::map<std::string, Spread>;
 
 /// Reads an object that gives {"fixed": x, "source": ...}, {"range": [low, high], "source": ...} or {"unknown": why}
-/// for each variable. Throws InputError for other variables, slopes, values outside the contract's range, and numbers
-/// without a source. Slopes are refused because the elevation raster gives them.
+/// for each variable. A friction angle may say its "test", "stage" and "dilation_deg"; without them it is that of
+/// triaxial compression, peak. Throws InputError for other variables, slopes, values outside the contract's range, and
+/// numbers without a source. Slopes are refused because the elevation raster gives them.
 Spreads read_spreads(const Config& config);
 
 /// Equally likely points over all variables of the contract [points][variable count]; NaN where unknown, as slopes are,

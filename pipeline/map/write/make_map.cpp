@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -159,10 +160,45 @@ namespace {
 
 std::string percent(double share) { return line("%.1f %%", 100 * share); }
 
+/// What a friction angle of this meaning counts as; empty if it is one of triaxial compression by its source.
+std::string test_remark(const Region& region, const Spread& angle) {
+  const terrain::AngleMeaning& meaning = angle.meaning;
+  const double middle = (angle.low + angle.high) / 2;
+  if (meaning.assumed)
+    return "the friction angle does not say its test and counts as triaxial compression, peak: " +
+           line("of %.3g deg, ", middle) + terrain::readings_of(middle);
+  if (meaning.is_triaxial_peak()) return "";
+  const terrain::MacroscopicSoil measured{middle, 0, 0, 0.5, meaning};
+  const terrain::MacroscopicSoil triaxial = region.table ? as_triaxial(*region.table, measured) : as_triaxial(measured);
+  return line("a friction angle of %.3g deg by %s counts as %.3g deg of triaxial compression", middle,
+              meaning.text().c_str(), triaxial.friction_angle);
+}
+
+/// What the friction angles of a soil mean, where that is not as the model takes them.
+void remark_on_tests(const Region& region, const Soil& soil, const std::string& where,
+                     std::vector<std::string>& remarks) {
+  std::vector<SoilSample> samples = soil.samples;
+  if (samples.empty()) samples.emplace_back();
+  std::set<std::string> said;
+  for (const SoilSample& sample : samples)
+    for (const Spreads* spreads : {&sample.values, &soil.values, &region.values}) {
+      const auto angle = spreads->find("friction_angle");
+      if (angle == spreads->end()) continue;
+      if (angle->second.kind != Spread::Kind::unknown) said.insert(test_remark(region, angle->second));
+      break;
+    }
+  constexpr std::size_t kMost = 3;
+  said.erase("");
+  std::size_t count = 0;
+  for (const std::string& sentence : said)
+    if (++count <= kMost) remarks.push_back(where + sentence);
+}
+
 /// Remarks on a soil of the map: what is too soft, has no texture, or was not sampled.
 void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& points, double share,
                     std::vector<std::string>& remarks) {
   const std::string where = soil.name + " (" + percent(share) + " of the area): ";
+  remark_on_tests(region, soil, where, remarks);
   for (const std::string& because : points.soft_because()) remarks.push_back(where + because);
   if (!is_fine_grained(region, soil))
     remarks.push_back(where +

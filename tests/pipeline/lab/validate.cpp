@@ -81,7 +81,7 @@ TEST_CASE("a wheel that climbs by rule is inside the formulas' band, and faster 
   const std::filesystem::path root = GONOGO_SOURCE_DIR;
   const auto file = std::filesystem::temp_directory_path() / "gonogo-test-grade.h5";
   // The rig's 643.2 kg on a rigid wheel by Wong and Reece: the slope whose tangent is the pull over the load.
-  const vehicle::BekkerSoil sand = dry_sand(30);
+  const vehicle::BekkerSoil sand = dry_sand(terrain::angle_on_plane(30));  // as the formulas take it
   const double load = 643.2 * kGravity;
   const double pull = vehicle::wheel_forces_under(sand, 0.467, 0.254, 0.4, load).drawbar_pull / load;
   const double slope = to_degrees(std::atan(pull));
