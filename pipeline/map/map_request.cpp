@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/json/json.h"
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
@@ -136,20 +137,58 @@ void set_values(MapRules& rules, const std::vector<std::string>& texts) {
   }
 }
 
-/// Nobody gave the variables of the mission: they may be anywhere that trials sampled.
-void open_mission(Region& region, const OutcomeModel& model) {
+/// Friction of a tyre or belt on soil as its vehicle's file has it, with what tread and wear make of it.
+constexpr double kOrdinarySpread = 0.1;
+
+/// The part of the sampled tyre friction that is ordinary for the vehicle; all of it where no file says what that is.
+Spread ordinary_friction(const Range& sampled, const TrainedModel& trained) {
+  const Spread all{Spread::Kind::range, sampled.minimum, sampled.maximum, "not given: the range that trials sampled"};
+  if (!trained.vehicle || trained.vehicle->vehicle.wheel.empty()) return all;
+  const double friction = trained.vehicle->vehicle.wheel.front().friction;
+  const Range range = {std::max(sampled.minimum, friction - kOrdinarySpread),
+                       std::min(sampled.maximum, friction + kOrdinarySpread)};
+  if (!(range.minimum < range.maximum)) return all;
+  return {Spread::Kind::range, range.minimum, range.maximum,
+          line("not given: %g of the vehicle's file, +- %g", friction, kOrdinarySpread)};
+}
+
+/// Nobody gave the variables of the mission: they may be anywhere that trials sampled, and the grip of the tyres is
+/// that of the vehicle's own.
+void open_mission(Region& region, const OutcomeModel& model, const TrainedModel& trained) {
   for (std::size_t v = 0; v < model.sampled.size(); ++v) {
     const campaign::Variable& variable = campaign::contract().variables[v];
     const Range sampled = model.sampled[v];
     if (variable.prior == "region" || campaign::is_task_variable(variable) || !(sampled.minimum < sampled.maximum))
       continue;
-    region.values[variable.name] = {Spread::Kind::range, sampled.minimum, sampled.maximum,
-                                    "not given: the range that trials sampled"};
+    Spread& spread = region.values[variable.name] = {Spread::Kind::range, sampled.minimum, sampled.maximum,
+                                                     "not given: the range that trials sampled"};
+    if (variable.name == "tyre_friction") spread = ordinary_friction(sampled, trained);
   }
 }
 
 bool is_raster(const std::string& soil) {
   return std::filesystem::is_regular_file(soil) && std::filesystem::path(soil).extension() != ".json";
+}
+
+/// A cone index of all of the ground, or a raster of it.
+void set_cone_index(Region& region, const std::string& text) {
+  if (text.empty()) return;
+  if (std::filesystem::is_regular_file(text)) {
+    region.cone_index = RegionRaster{.files = std::filesystem::path(text),
+                                     .source = std::filesystem::path(text).filename().string() + ", cone index in psi",
+                                     .licence = "licence not stated",
+                                     .unit = kPsi};
+    return;
+  }
+  const bool kilopascal = text.ends_with("kPa");
+  const double unit = kilopascal ? 1e3 : kPsi;
+  const std::string number = text.substr(0, text.size() - (kilopascal || text.ends_with("psi") ? 3 : 0));
+  const double index = unit * parsed<double>(number).value_or(-1);
+  if (!(index >= 0 && index <= kMaxConeIndex))
+    throw InputError("map: --cone-index \"" + text +
+                     line("\" is neither a raster nor a number; give 0 to %.0f psi, or 0 to %.0fkPa with that unit",
+                          kMaxConeIndex / kPsi, kMaxConeIndex / 1e3));
+  region.cone_index_everywhere = index;
 }
 
 /// An elevation raster, and a soil that comes by name, by a raster of textures, or not at all.
@@ -160,6 +199,7 @@ Region region_of_dem(const MapFiles& files) {
   region.elevation.files = terrain::RasterFiles(files.dem);
   region.elevation.source = files.dem.filename().string();
   region.elevation.licence = "licence not stated";
+  set_cone_index(region, files.cone_index);
   if (is_raster(files.soil)) {
     region.soil_class =
         RegionRaster{.files = std::filesystem::path(files.soil),
@@ -175,13 +215,16 @@ Region region_of_dem(const MapFiles& files) {
   return region;
 }
 
-Region region_of(const MapFiles& files, const std::optional<campaign::Study>& study, const OutcomeModel& model) {
+Region region_of(const MapFiles& files, const std::optional<campaign::Study>& study, const OutcomeModel& model,
+                 const TrainedModel& trained) {
   if (!files.dem.empty()) {
     if (!files.region.empty()) throw InputError("map: --dem and --region are both given; keep one of them");
     Region region = region_of_dem(files);
-    open_mission(region, model);
+    open_mission(region, model, trained);
     return region;
   }
+  if (!files.cone_index.empty())
+    throw InputError("map: --cone-index goes with --dem; a region file has its own key cone_index (docs/map.md)");
   if (!files.soil.empty())
     throw InputError("map: --soil goes with --dem; a region file says what its soils are (docs/map.md)");
   const std::filesystem::path region = !files.region.empty() ? files.region : study ? study->region : "";
@@ -232,7 +275,7 @@ MapRequest read_map_request(const MapFiles& files) {
   MapRequest request;
   request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
   request.model = outcome_model_of(trained);
-  request.region = region_of(files, study, request.model);
+  request.region = region_of(files, study, request.model, trained);
   if (trained.vehicle) request.region.table = trained.vehicle->table;
   if (!files.height_unit.empty()) request.region.elevation.heights.unit = files.height_unit;
   if (files.flat_is_ground) request.region.elevation.heights.flat_is_ground = true;

@@ -14,6 +14,7 @@ struct MapFiles {
   std::filesystem::path region;                  // region JSON; empty: as the study says
   std::filesystem::path dem{};                   // elevation raster, in place of a region
   std::string soil{};                            // with `dem`: as named_soil() takes it, or a raster of USDA textures
+  std::string cone_index{};                      // with `dem`: "60", "60psi", "414kPa" or a raster [psi]; empty: none
   std::string height_unit{};                     // "m", "ft" or "us-ft"; empty: as region and raster say
   bool flat_is_ground = false;                   // large exactly flat areas are ground
   std::filesystem::path crossing_model{};  // of ditches, as `model`; empty: the shipped one of its vehicle, if any

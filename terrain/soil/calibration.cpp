@@ -257,6 +257,17 @@ MacroscopicSoil as_triaxial(const Calibration& c, const MacroscopicSoil& soil) {
   return s;
 }
 
+double shown_angle(const Calibration& c, std::size_t packing, double triaxial, const AngleMeaning& m) {
+  if (m.is_triaxial_peak()) return triaxial;
+  if (m.dilation == 0 && !curve_of(c, packing, m).empty()) return converted(c, packing, {}, m, triaxial);
+  if (m.test == StrengthTest::plane_strain) return triaxial * kPlaneStrainRatio;
+  return m.is_on_plane() ? angle_on_plane(triaxial, m.dilation) : triaxial;
+}
+
+double packing_density(const Calibration& c, double triaxial, std::size_t packing) {
+  return relative_density(c, nearest_place(c, triaxial, packing), packing);
+}
+
 namespace {
 
 constexpr AngleMeaning kOnPlane{StrengthTest::direct_shear, Stage::peak};

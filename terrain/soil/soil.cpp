@@ -133,7 +133,7 @@ void refuse_loose_strength(const Config& v) {
 SoilState read_state(const Config& c, bool first_schema) {
   SoilState s;
   s.name = c.text("name");
-  s.texture = c.text_or("texture", "");
+  s.texture = c.has("uscs") ? c.choice("uscs", uscs_classes()) : c.text_or("texture", "");
   s.note = c.text_or("note", "");
   if (c.has("moisture")) s.moisture = c.choice("moisture", {"dry", "moist", "wet"});
   if (c.has("water_percent")) s.water_percent = c.number("water_percent", {0, 1000});

@@ -48,10 +48,21 @@ inline const std::vector<std::string>& usda_texture_codes() {
   return names;
 }
 
+/// Classes of the Unified Soil Classification System without the organic ones, from coarse to fine.
+inline const std::vector<std::string>& uscs_classes() {
+  static const std::vector<std::string> names = {"GW", "GP", "GM", "GC", "SW", "SP",
+                                                 "SM", "SC", "ML", "CL", "MH", "CH"};
+  return names;
+}
+
 /// Fine-grained in the sense of the cone index: more than half passes the 0.075 mm sieve (FM 5-430-00-1, chapter 7).
 /// The triangle's silt and clay end at 0.05 mm, so that a class counts from a middle of its area of 48 % silt and clay
-/// on: sandy clay is the coarsest of them; sandy clay loam (40 %) and what lies before it in the list are not.
+/// on: sandy clay is the coarsest of them; sandy clay loam (40 %) and what lies before it in the list are not. USCS
+/// classes of silt and clay are fine-grained by definition.
 inline bool is_fine_grained(const std::string& texture) {
+  const auto& classes = uscs_classes();
+  if (const auto at = std::find(classes.begin(), classes.end(), texture); at != classes.end())
+    return at - classes.begin() >= 8;
   const auto& all = usda_textures();
   const auto place = std::find(all.begin(), all.end(), texture) - all.begin();
   return place >= 4 && place < std::ptrdiff_t(all.size());
@@ -113,7 +124,7 @@ struct SoilTest {
 };
 
 struct SoilState {
-  std::string name, texture, moisture, note;
+  std::string name, texture, moisture, note;  // texture: of the USDA, or class of the USCS
   std::optional<double> water_percent;
   SoilValue bulk_density;      // [kg/m^3]
   SoilValue relative_density;  // [-]

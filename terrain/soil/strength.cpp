@@ -42,9 +42,10 @@ double angle_of_triaxial(double on_plane, double dilation) {
   const double t = std::tan(to_radians(on_plane)), psi = to_radians(dilation);
   const double s = t / (std::cos(psi) + t * std::sin(psi));
   if (!(s < 1))
-    throw InputError(line("soil: friction angle %g deg on the plane of shear at a dilation of %g deg: no soil has it, "
-                          "the most is %.1f deg; give a smaller angle, or the dilation that was measured",
-                          on_plane, dilation, angle_on_plane(90, dilation)));
+    throw InputError(
+        line("soil: friction angle %g deg on the plane of shear at a dilation of %g deg: no soil has it, "
+             "the most is %.1f deg; give a smaller angle, or the dilation that was measured",
+             on_plane, dilation, angle_on_plane(90, dilation)));
   return to_degrees(std::asin(s));
 }
 

@@ -39,7 +39,7 @@ TEST_CASE("every soil that ships is read, and every number in it has a source or
         CHECK((v->source.empty() != v->no_source.empty() && v->low <= v->high));
     ++soils;
   }
-  CHECK(soils == 10);
+  CHECK(soils == 11);
 }
 
 TEST_CASE("the USDA file has each of the twelve textures dry, moist and wet, and weaker clay when wet") {

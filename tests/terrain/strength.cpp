@@ -70,7 +70,8 @@ TEST_CASE("angles on the plane of shear are those of the plane that does not len
       CHECK(angle_of_triaxial(on_plane, psi) == Approx(phi));
       // With cohesion: the ratio at another mean stress gives the intercept.
       const double c = 0.3, k = (1 + std::sin(to_radians(psi))) / (1 - std::sin(to_radians(psi)));
-      const double away = std::atan(std::sqrt(1 / k)), radius = std::sin(to_radians(phi)) + c * std::cos(to_radians(phi));
+      const double away = std::atan(std::sqrt(1 / k)),
+                   radius = std::sin(to_radians(phi)) + c * std::cos(to_radians(phi));
       const double shear = radius * std::sin(2 * away), normal = 1 - radius * std::cos(2 * away);
       CHECK(shear == Approx(c * cohesion_on_plane(phi, psi) + normal * std::tan(to_radians(on_plane))));
     }
@@ -86,15 +87,17 @@ TEST_CASE("a shear or residual angle becomes that of the grains that show it, by
       const SoilResponse& r = c.response[2 * k + p];
       const double density = double(p);
       CAPTURE(k, p);
-      CHECK(as_triaxial(c, soil(r.shear_peak.degrees, StrengthTest::direct_shear, Stage::peak, density)).friction_angle ==
-            Approx(r.friction_angle));
+      CHECK(
+          as_triaxial(c, soil(r.shear_peak.degrees, StrengthTest::direct_shear, Stage::peak, density)).friction_angle ==
+          Approx(r.friction_angle));
       CHECK(as_triaxial(c, soil(r.shear_steady.degrees, StrengthTest::ring_shear, Stage::residual, density))
                 .friction_angle == Approx(r.friction_angle));
       CHECK(as_triaxial(c, soil(r.steady_friction_angle, StrengthTest::repose, Stage::peak, density)).friction_angle ==
             Approx(r.friction_angle));
       CHECK(on_shear_plane(c, soil(r.friction_angle, StrengthTest::triaxial, Stage::peak, density)).friction_angle ==
             Approx(r.shear_peak.degrees));
-      const sim::PairLaw law = fit_soil(c, soil(r.shear_peak.degrees, StrengthTest::direct_shear, Stage::peak, density)).law;
+      const sim::PairLaw law =
+          fit_soil(c, soil(r.shear_peak.degrees, StrengthTest::direct_shear, Stage::peak, density)).law;
       CHECK(law.friction == Approx(c.contact[k].friction));
     }
   // Cohesion on the plane is smaller by cos(phi) without dilation.
@@ -114,14 +117,15 @@ TEST_CASE("without a curve, or with a dilation that was measured, the formula co
 
 TEST_CASE("an angle is read back through a curve that falls, and goes on beyond its ends") {
   Calibration c = table(true);
-  for (std::size_t p = 0; p < 2; ++p) c.response[2 + p].shear_peak.degrees = 38, c.response[4 + p].shear_peak.degrees = 34;
+  for (std::size_t p = 0; p < 2; ++p)
+    c.response[2 + p].shear_peak.degrees = 38, c.response[4 + p].shear_peak.degrees = 34;
   double before = 0;
   for (double angle = 5; angle < 60; angle += 0.5) {
     const double triaxial = as_triaxial(c, soil(angle, StrengthTest::direct_shear)).friction_angle;
     CHECK(triaxial > before);
     before = triaxial;
   }
-  CHECK(as_triaxial(c, soil(7, StrengthTest::direct_shear)).friction_angle == Approx(7.5));   // 15 of 14
+  CHECK(as_triaxial(c, soil(7, StrengthTest::direct_shear)).friction_angle == Approx(7.5));  // 15 of 14
   CHECK(as_triaxial(c, soil(40, StrengthTest::direct_shear)).friction_angle == Approx(49));  // 45 of 36
 }
 
@@ -135,19 +139,22 @@ TEST_CASE("a file of schema 1 means triaxial compression; schema 2 refuses an an
   CHECK(lete.states[0].bekker->n.middle() == 0.793);
   const auto path = std::filesystem::temp_directory_path() / "gonogo-test-strength.json";
   const auto refused = [&](const std::string& tests, const std::string& more) {
-    write_file_atomically(path, R"({"schema": "gonogo/soil/2", "name": "a", "about": "b", "states": [{"name": "c", "tests": [)" +
-                                    tests + R"(], "values": {)" + more +
-                                    R"("bulk_density_kg_per_m3": {"fixed": 1600, "source": "s"},
+    write_file_atomically(
+        path, R"({"schema": "gonogo/soil/2", "name": "a", "about": "b", "states": [{"name": "c", "tests": [)" + tests +
+                  R"(], "values": {)" + more +
+                  R"("bulk_density_kg_per_m3": {"fixed": 1600, "source": "s"},
                                        "relative_density": {"fixed": 0.5, "source": "s"}}}]})");
     return input_error([&] { read_soil(path); });
   };
   const std::string angle = R"("friction_angle_deg": {"fixed": 32, "source": "s"})";
   const std::string without = refused("", angle + ", ");
   CHECK(contains(without, "does not say its test: as triaxial compression it is 32 deg, as direct or ring shear 38.7"));
-  CHECK(contains(refused(R"({"test": "cone", "index_kPa": {"fixed": 500, "source": "s"}})", ""), "none shows a friction angle"));
+  CHECK(contains(refused(R"({"test": "cone", "index_kPa": {"fixed": 500, "source": "s"}})", ""),
+                 "none shows a friction angle"));
   CHECK(contains(refused(R"({"test": "plate", "n": {"fixed": 1, "source": "s"}})", ""), "k_c_kN_per_m_n_plus_1"));
-  CHECK(contains(refused(R"({"test": "direct_shear", )" + angle + R"(, "cohesion_kPa": {"fixed": 1, "source": "s"}})", ""),
-                 "stage"));
+  CHECK(contains(
+      refused(R"({"test": "direct_shear", )" + angle + R"(, "cohesion_kPa": {"fixed": 1, "source": "s"}})", ""),
+      "stage"));
   std::filesystem::remove(path);
 }
 

@@ -8,8 +8,12 @@ void add_map_file_options(CLI::App& command, map::MapFiles& files) {
       ->required();
   add_named(command, "--dem", files.dem, kFile, "Elevation raster; no region file is needed then");
   add_named(command, "--soil", files.soil, kSoil,
-            "With --dem: USDA texture, soil of configs/soils, soil file, or raster of USDA textures; without "
+            "With --dem: USDA texture, class of the USCS (SM, CH, ...), soil of configs/soils, soil file, or raster of "
+            "USDA textures; without "
             "it the soil may be anything");
+  add_named(
+      command, "--cone-index", files.cone_index, kFile,
+      "With --dem: cone index or rating cone index of fine-grained soil, a number [psi, or 414kPa] or a raster [psi]");
   add_named(command, "--moisture", files.moisture, one_of({"dry", "moist", "wet"}),
             "Moisture of the soil; by default the raster's or any");
   add_named(command, "--set", files.set, kSetting,

@@ -38,6 +38,13 @@ CellState state_of(const SoilTable& table, const std::vector<LandRule>& land, co
   return state;
 }
 
+/// Measured in the cell [Pa]; nothing where none was.
+std::optional<double> cone_index(const Region& region, const Readings& readings, std::size_t cell) {
+  if (region.cone_index_everywhere) return region.cone_index_everywhere;
+  const auto counts = readings.cone_index(cell);
+  return counts ? std::optional(*counts * region.cone_index->unit) : std::nullopt;
+}
+
 CellMark mark_from(const CellInputs& cell) {
   return {.ground = cell.soil ? CellMark::Ground::known_soil : CellMark::Ground::unknown_soil,
           .soil = std::uint16_t(cell.soil.value_or(0)),
@@ -55,15 +62,14 @@ CellInputs decide(const Region& region, const MapRules& rules, const SoilTable& 
   CellInputs inputs{code ? table.find(*code, state) : std::nullopt, readings.land_rule(region, cell), {}};
   if (obstacle.kind == ObstacleMark::Kind::rule) inputs.rule = obstacle.index;
   if (obstacle.kind == ObstacleMark::Kind::ditch) inputs.ditch = obstacle.index;
-  const auto cone_index = readings.cone_index(cell);
-  if (!cone_index || !inputs.soil || inputs.rule || !table.may_be_soft[*inputs.soil]) return inputs;
-  const double index = *cone_index * region.cone_index->unit;
+  const std::optional<double> measured = cone_index(region, readings, cell);
+  if (!measured || !inputs.soil || inputs.rule || !table.may_be_soft[*inputs.soil]) return inputs;
+  const double index = *measured;
   if (index < table.need.one_pass)
     inputs.rule = below_one_pass_rule(region);
-  else if (index < table.need.fifty_passes)
-    inputs.rule = below_fifty_passes_rule(region);
   else
-    inputs.soil = table.find_firm(table.soils[*inputs.soil].code, state);
+    inputs.soil = table.find(table.soils[*inputs.soil].code, state,
+                             index < table.need.fifty_passes ? Measured::soft : Measured::firm);
   return inputs;
 }
 

@@ -31,8 +31,8 @@ struct CellInputs {
   std::optional<std::size_t> ditch;  // that crosses the soil, position in MapSources::ditches
 };
 
-/// The soil without its ditch. In fine-grained soil a measured cone index decides: too low is a rule, high enough is
-/// the firm entry of the table. Without a measurement cohesion and friction angle decide.
+/// The soil without its ditch. In fine-grained soil a measured cone index decides: below VCI1 is a rule, below VCI50
+/// the soft and from there on the firm entry of the table. Without a measurement cohesion and friction angle decide.
 CellInputs decide(const Region& region, const MapRules& rules, const SoilTable& table, const Readings& readings,
                   std::size_t cell);
 

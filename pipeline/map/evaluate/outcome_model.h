@@ -54,7 +54,7 @@ struct SlopeMeasure {
 /// Mean of the fit over the points that the soil may be. The slopes in `points` are ignored.
 SlopeMeasure on_soil(const MeasureFit& fit, const std::vector<std::vector<double>>& points);
 
-/// Density of the soil that is thrown forward [kg/m^3]: the largest in configs/soils/usda.json.
+/// Density of the soil that is thrown forward [kg/m^3]: about the largest in configs/soils/usda.json.
 inline constexpr double kThrownDensity = 2100;
 
 /// What a trial that drove steadily under its own power measured.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "base/format.h"
 #include "base/units.h"
@@ -102,6 +103,7 @@ SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector
 
 namespace {
 
+constexpr const char* kStrengths[] = {"friction_angle", "cohesion"};
 constexpr Range kNothing = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
 
 Range widened(Range found, double value) { return {std::min(found.minimum, value), std::max(found.maximum, value)}; }
@@ -121,31 +123,68 @@ bool contains(Range sampled, double value) {
   return value >= sampled.minimum - slack && value <= sampled.maximum + slack;
 }
 
-SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft)
-    : all_(std::move(points)), soft_(std::move(soft)) {
-  const auto& variables = campaign::contract().variables;
+SoftPoints measured_soft(std::size_t points, const ConeIndexNeed& need) {
+  return {std::vector<char>(points, 1),
+          {"its measured cone index lies between " + in_psi(need.one_pass) + " (VCI1) and " +
+           in_psi(need.fifty_passes) + " (VCI50) of " + need.vehicle}};
+}
+
+std::vector<int> point_alternatives(const Soil& soil, std::size_t points) {
+  std::set<int> different;
+  for (const SoilSample& sample : soil.samples) different.insert(sample.alternative);
+  if (different.size() < 2) return {};
+  std::vector<int> alternative;
+  for (std::size_t i = 0; i < points; ++i)
+    alternative.push_back(soil.samples[i * soil.samples.size() / points].alternative);
+  return alternative;
+}
+
+SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft,
+                       std::vector<int> alternative)
+    : all_(std::move(points)), alternative_(std::move(alternative)), soft_(std::move(soft)) {
   box_ = model.box_of(all_.front());  // all points of a soil have a ditch, or none has
   limit_strength();
   soft_.is_soft.resize(all_.size(), 0);
-  std::size_t soft_count = 0;
-  for (std::size_t i = 0; i < all_.size(); ++i) {
-    const std::vector<double>& point = all_[i];
-    bool inside = !soft_.is_soft[i];
-    soft_count += !inside;
-    for (std::size_t v = 0; v < variables.size(); ++v) {
-      if (std::isnan(point[v]) || contains(box_[v], point[v])) continue;
-      inside = false;
-    }
-    if (!inside) continue;
-    inside_.insert(inside_.end(), point.begin(), point.end());
-    ++inside_count_;
-  }
-  soft_share_ = double(soft_count) / double(all_.size());
+  alternative_.resize(all_.size(), 0);
+  alternatives_ = 1 + std::size_t(*std::max_element(alternative_.begin(), alternative_.end()));
+  divide();
   find_outside();
 }
 
+void SoilPoints::Asked::add(const std::vector<double>& point, std::size_t index) {
+  value.insert(value.end(), point.begin(), point.end());
+  origin.push_back(index);
+  ++count;
+}
+
+bool SoilPoints::is_outside(const std::vector<double>& point) const {
+  for (std::size_t v = 0; v < point.size(); ++v)
+    if (!std::isnan(point[v]) && !contains(box_[v], point[v])) return true;
+  return false;
+}
+
+std::vector<double> SoilPoints::raised(std::vector<double> point) const {
+  for (const char* name : kStrengths) {
+    const std::size_t v = campaign::contract().variable_index(name);
+    point[v] = std::isnan(point[v]) ? box_[v].maximum : std::max(point[v], box_[v].minimum);
+  }
+  return point;
+}
+
+void SoilPoints::divide() {
+  std::size_t soft_count = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    soft_count += soft_.is_soft[i] != 0;
+    if (!soft_.is_soft[i] && !is_outside(all_[i]))
+      inside_.add(all_[i], i);
+    else if (const auto stronger = raised(all_[i]); !is_outside(stronger))
+      bounded_.add(stronger, i);
+  }
+  soft_share_ = double(soft_count) / double(all_.size());
+}
+
 void SoilPoints::limit_strength() {
-  for (const char* name : {"friction_angle", "cohesion"}) {
+  for (const char* name : kStrengths) {
     const std::size_t v = campaign::contract().variable_index(name);
     const Range sampled = box_[v];
     Range found = kNothing;
@@ -184,16 +223,17 @@ void SoilPoints::find_outside() {
 
 campaign::Reason SoilPoints::reason_outside() const { return reason_of_unknown(Prospect{{}, 1, soft_share_}); }
 
-std::vector<double> SoilPoints::answers(const Probabilities& model, double slope_along, double slope_across) const {
+std::vector<double> SoilPoints::Asked::answers(const Probabilities& model, double slope_along,
+                                               double slope_across) const {
   const std::size_t variables = campaign::contract().variables.size();
   const std::size_t along = campaign::contract().variable_index("slope_along");
   const std::size_t across = campaign::contract().variable_index("slope_across");
-  std::vector<double> points = inside_, result(inside_count_ * campaign::contract().outcomes.size());
-  for (std::size_t i = 0; i < inside_count_; ++i) {
+  std::vector<double> points = value, result(count * campaign::contract().outcomes.size());
+  for (std::size_t i = 0; i < count; ++i) {
     points[i * variables + along] = slope_along;
     points[i * variables + across] = slope_across;
   }
-  if (inside_count_ > 0) model(points, result);
+  if (count > 0) model(points, result);
   return result;
 }
 
@@ -201,23 +241,27 @@ Prospect SoilPoints::nothing_known() const {
   return {std::vector<double>(campaign::contract().outcomes.size(), 0.0), 1, soft_share_};
 }
 
-bool SoilPoints::is_sampled(double slope_along, double slope_across) const {
-  return inside_count_ > 0 && contains(box_[campaign::contract().variable_index("slope_along")], slope_along) &&
+bool SoilPoints::is_asked(double slope_along, double slope_across) const {
+  return inside_.count + bounded_.count > 0 &&
+         contains(box_[campaign::contract().variable_index("slope_along")], slope_along) &&
          contains(box_[campaign::contract().variable_index("slope_across")], slope_across);
 }
 
-Prospect SoilPoints::mean_of(const std::vector<double>& answers) const {
-  Prospect prospect = nothing_known();
-  const std::size_t outcomes = prospect.outcome.size();
-  for (std::size_t i = 0; i < inside_count_; ++i)
-    for (std::size_t o = 0; o < outcomes; ++o) prospect.outcome[o] += answers[i * outcomes + o] / double(inside_count_);
-  prospect.outside_share = 1 - double(inside_count_) / double(all_.size());
-  return prospect;
+namespace {
+
+/// Mean outcomes of rows of answers; empty without any.
+std::vector<double> mean_of(const std::vector<double>& answers, std::size_t rows) {
+  const std::size_t outcomes = campaign::contract().outcomes.size();
+  if (rows == 0) return {};
+  std::vector<double> mean(outcomes, 0.0);
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t o = 0; o < outcomes; ++o) mean[o] += answers[i * outcomes + o] / double(rows);
+  return mean;
 }
 
-void SoilPoints::add_p_go(const std::vector<double>& answers, std::vector<double>& p_go) const {
+void append_p_go(const std::vector<double>& answers, std::vector<double>& p_go) {
   const auto& outcomes = campaign::contract().outcomes;
-  for (std::size_t i = 0; i < inside_count_; ++i) {
+  for (std::size_t i = 0; i * outcomes.size() < answers.size(); ++i) {
     double sum = 0;
     for (std::size_t o = 0; o < outcomes.size(); ++o)
       if (outcomes[o].verdict != campaign::Verdict::no_go) sum += answers[i * outcomes.size() + o];
@@ -225,18 +269,66 @@ void SoilPoints::add_p_go(const std::vector<double>& answers, std::vector<double
   }
 }
 
-Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
-  if (!is_sampled(slope_along, slope_across)) return nothing_known();
-  return mean_of(answers(model.probabilities, slope_along, slope_across));
+/// Sums over the points of one alternative, or over all.
+struct PointSums {
+  std::size_t points = 0, sampled = 0, soft = 0;
+  double p_go = 0, soft_most = 0, outside_most = 0;
+
+  Estimate estimate() const {
+    const std::size_t outside = points - sampled - soft;
+    return {.p_go = sampled > 0 ? p_go / double(sampled) : 0,
+            .outside_share = 1 - double(sampled) / double(points),
+            .soft_share = double(soft) / double(points),
+            .soft_most = soft > 0 ? soft_most / double(soft) : 1,
+            .outside_most = outside > 0 ? outside_most / double(outside) : 1};
+  }
+};
+
+}  // namespace
+
+void SoilPoints::estimate(const std::vector<double>& sampled, const std::vector<double>& bounded,
+                          Prospect& prospect) const {
+  std::vector<double> p_sampled, p_bounded, most(all_.size(), 1.0);
+  append_p_go(sampled, p_sampled);
+  append_p_go(bounded, p_bounded);
+  std::vector<char> known(all_.size(), 0);
+  for (std::size_t k = 0; k < inside_.count; ++k) known[inside_.origin[k]] = 1, most[inside_.origin[k]] = p_sampled[k];
+  for (std::size_t k = 0; k < bounded_.count; ++k) most[bounded_.origin[k]] = p_bounded[k];
+  PointSums all;
+  std::vector<PointSums> part(alternatives_);
+  for (std::size_t i = 0; i < all_.size(); ++i)
+    for (PointSums* sums : {&all, &part[std::size_t(alternative_[i])]}) {
+      ++sums->points;
+      sums->sampled += std::size_t(known[i]);
+      sums->soft += std::size_t(soft_.is_soft[i]);
+      (known[i] ? sums->p_go : soft_.is_soft[i] ? sums->soft_most : sums->outside_most) += most[i];
+    }
+  const Estimate whole = all.estimate();
+  prospect.outside_share = whole.outside_share;
+  prospect.soft_most = whole.soft_most;
+  prospect.outside_most = whole.outside_most;
+  if (!has_alternatives()) return;
+  for (const PointSums& sums : part)
+    if (sums.points > 0) prospect.alternative.push_back(sums.estimate());
 }
 
-Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across,
-                        std::vector<double>& p_go_of_each) const {
-  if (!is_sampled(slope_along, slope_across)) return nothing_known();
-  const std::vector<double> result = answers(model.probabilities, slope_along, slope_across);
-  add_p_go(result, p_go_of_each);
-  for (const Probabilities& member : model.members) add_p_go(answers(member, slope_along, slope_across), p_go_of_each);
-  return mean_of(result);
+Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across, Each* each) const {
+  Prospect prospect = nothing_known();
+  if (each) *each = {};
+  if (!is_asked(slope_along, slope_across)) return prospect;
+  const std::vector<double> sampled = inside_.answers(model.probabilities, slope_along, slope_across),
+                            bounded = bounded_.answers(model.probabilities, slope_along, slope_across);
+  if (inside_.count > 0) prospect.outcome = mean_of(sampled, inside_.count);
+  prospect.bounding = mean_of(bounded, bounded_.count);
+  estimate(sampled, bounded, prospect);
+  if (!each) return prospect;
+  append_p_go(sampled, each->sampled);
+  append_p_go(bounded, each->most);
+  for (const Probabilities& member : model.members) {
+    append_p_go(inside_.answers(member, slope_along, slope_across), each->sampled);
+    append_p_go(bounded_.answers(member, slope_along, slope_across), each->most);
+  }
+  return prospect;
 }
 
 double SoilPoints::novelty(const OutcomeModel& model, double slope_along, double slope_across) const {

@@ -27,6 +27,13 @@ struct SoftPoints {
 SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector<std::vector<double>>& points,
                        const std::optional<ConeIndexNeed>& need);
 
+/// All points of a soil whose cone index was measured below the vehicle's VCI50.
+SoftPoints measured_soft(std::size_t points, const ConeIndexNeed& need);
+
+/// Number of the alternative that each of the soil's points belongs to, [points] from soil_points(); empty if all
+/// belong to one.
+std::vector<int> point_alternatives(const Soil& soil, std::size_t points);
+
 /// Whether a texture of the soil's samples, the soil or the region is. Nothing if none of them gives one.
 std::optional<bool> is_fine_grained(const Region& region, const Soil& soil);
 
@@ -34,27 +41,38 @@ std::optional<bool> is_fine_grained(const Region& region, const Soil& soil);
 bool contains(Range sampled, double value);
 /// What one soil may be, as equally likely points over the variables of the contract, and the model's mean answer.
 /// SoilPoints::at() is where P(go) of a cell is computed: the mean of the model over these points.
-/// Points outside the sampled box and points that are too soft are not put to the model. They count as not answered.
-/// Stronger soil is no harder to drive on. So a cohesion or friction angle above what was sampled counts as the largest
-/// that was, which is on the safe side.
+/// Points outside the sampled box and points that are too soft count as not answered. Stronger soil is no harder to
+/// drive on. So a cohesion or friction angle above what was sampled counts as the largest that was, which is on the
+/// safe side. And P(go) of a point that is too soft, or weaker than what was sampled, is at most the model's at the
+/// same strength raised to the least that was sampled; at the greatest, where the strength is not known. Such a point
+/// is bounded. A point outside in other variables is not.
 class SoilPoints {
  public:
   /// `points`: from soil_points(), equally likely, slopes NaN. `soft`: from soft_points() for the same points.
-  SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft = {});
+  /// `alternative`: from point_alternatives().
+  SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft = {},
+             std::vector<int> alternative = {});
 
-  /// Mean outcome probabilities over the sampled points at these slopes [deg]; Prospect::p_go() is P(go).
-  /// For slopes outside the sampled box outside_share is 1 and every probability 0.
-  Prospect at(const OutcomeModel& model, double slope_along, double slope_across) const;
-  /// The same. Also appends P(go) of every sampled point to `p_go_of_each`: by the model, then by each of its members.
-  Prospect at(const OutcomeModel& model, double slope_along, double slope_across,
-              std::vector<double>& p_go_of_each) const;
+  /// P(go) of every point, by the model and then by each of its members.
+  struct Each {
+    std::vector<double> sampled;  // [(1 + members) x sampled points]
+    std::vector<double> most;     // [(1 + members) x bounded points] the most that it may be
+  };
+  /// Mean outcome probabilities over the sampled points at these slopes [deg]; Prospect::p_go() is P(go). For slopes
+  /// outside the sampled box outside_share is 1, every probability 0, and `each` empty.
+  Prospect at(const OutcomeModel& model, double slope_along, double slope_across, Each* each = nullptr) const;
+  /// Whether at() asks the model at these slopes [deg].
+  bool is_asked(double slope_along, double slope_across) const;
   /// Mean of the model's novelty over all points, sampled or not; of more than 32 points over every k-th, 16 to 32 of
   /// them. The model must have one.
   double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
 
-  std::size_t sampled_count() const { return inside_count_; }
+  std::size_t sampled_count() const { return inside_.count; }
+  std::size_t bounded_count() const { return bounded_.count; }
+  /// Whether cells of this soil may differ though every point was sampled.
+  bool has_alternatives() const { return alternatives_ > 1; }
   /// The points that are put to the model, row by row [sampled_count x variables]; slopes are NaN.
-  std::span<const double> sampled() const { return inside_; }
+  std::span<const double> sampled() const { return inside_.value; }
   /// Share of the points that are too soft, sampled or not.
   double soft_share() const { return soft_share_; }
   /// Reason of an unknown cell whose slopes lie outside the sampled box.
@@ -72,18 +90,28 @@ class SoilPoints {
 
  private:
   using Probabilities = std::function<void(std::span<const double>, std::span<double>)>;
-  std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
+  /// Points that are put to the model.
+  struct Asked {
+    std::vector<double> value;        // [count x variables], slopes NaN
+    std::vector<std::size_t> origin;  // [count] in all_
+    std::size_t count = 0;
+    void add(const std::vector<double>& point, std::size_t index);
+    std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
+  };
   void limit_strength();
+  void divide();
+  bool is_outside(const std::vector<double>& point) const;
+  /// The point with its strength raised to what was sampled.
+  std::vector<double> raised(std::vector<double> point) const;
+  void estimate(const std::vector<double>& sampled, const std::vector<double>& bounded, Prospect& prospect) const;
   void find_outside();
   Prospect nothing_known() const;
-  bool is_sampled(double slope_along, double slope_across) const;
-  Prospect mean_of(const std::vector<double>& answers) const;
-  void add_p_go(const std::vector<double>& answers, std::vector<double>& p_go) const;
 
   std::vector<Range> box_;  // [variables] of the trials that answer for these points
   std::vector<std::vector<double>> all_;
-  std::vector<double> inside_;  // [inside_count_ x variables]
-  std::size_t inside_count_ = 0;
+  Asked inside_, bounded_;
+  std::vector<int> alternative_;  // [points]
+  std::size_t alternatives_ = 1;
   SoftPoints soft_;
   double soft_share_ = 0;
   std::vector<std::string> outside_because_, stronger_because_;

@@ -31,7 +31,7 @@ HeadingTable::HeadingTable(const OutcomeModel& model, const MapRules& rules, con
   nodes_.assign(std::size_t(along_count_) * std::size_t(across_count_), outside_);
 #pragma omp parallel for schedule(dynamic, 64)
   for (int i = 0; i < along_count_ * across_count_; ++i) {
-    if (cancel_requested() || points.sampled_count() == 0) continue;
+    if (cancel_requested() || points.sampled_count() + points.bounded_count() == 0) continue;
     HeadingAnswer& node = nodes_[std::size_t(i)];
     const int along_step = first_along_ + i / across_count_, across_step = first_across_ + i % across_count_;
     node.prospect = points.at(model, double(along_step) / kHeadingSteps, double(across_step) / kHeadingSteps);
@@ -111,8 +111,8 @@ double quantile(const std::vector<double>& sorted, double share) {
 double rounded_slope(double slope_deg) { return std::round(slope_deg * kSlopeSteps) / kSlopeSteps; }
 
 SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
-                           double gradient_error, SoftPoints soft)
-    : points_(model, std::move(points), std::move(soft)), headings_(model, rules, points_) {
+                           double gradient_error, SoftPoints soft, std::vector<int> alternative)
+    : points_(model, std::move(points), std::move(soft), std::move(alternative)), headings_(model, rules, points_) {
   sampled_slope_ = model.sampled[campaign::contract().variable_index("slope_along")];
   tabulate(model, rules);
   add_interval(gradient_error, 1 + model.members.size());
@@ -124,7 +124,7 @@ SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std
 void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
   table_.resize(kLastStep + 1);
   p_each_.resize(table_.size());
-  uphill_outcomes_.resize(table_.size());
+  uphill_.resize(table_.size());
   const int steepest = std::clamp(int(std::floor(sampled_slope_.maximum * kSlopeSteps)), 0, kLastStep);
 #pragma omp parallel for schedule(dynamic, 16)
   for (int i = 0; i <= steepest; ++i)
@@ -147,33 +147,42 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
 
 CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& rules, int step) {
   const double slope = step / kSlopeSteps;
-  const Prospect prospect = points_.at(model, slope, 0, p_each_[std::size_t(step)]);
+  const Prospect prospect = points_.at(model, slope, 0, &p_each_[std::size_t(step)]);
+  Uphill& uphill = uphill_[std::size_t(step)];
+  uphill.bounds = bounds_of(prospect, rules);
+  if (points_.is_asked(slope, 0))
+    for (std::size_t o = 0; o < prospect.outcome.size(); ++o) uphill.reason_weight.push_back(prospect.reason_weight(o));
   CellAnswer answer;
   answer.result = classify(prospect, rules);
   answer.p_go = float(prospect.p_go());
   answer.outside_share = float(prospect.outside_share);
   answer.p_slow = answer.outside_share >= 1 ? kNoData : float(prospect.of(campaign::Verdict::slow_go));
-  if (answer.outside_share < 1) uphill_outcomes_[std::size_t(step)] = prospect.outcome;
   return answer;
 }
 
-/// Interval on P(go) from the spread of soil, slope and model: every sampled point, at nine equally likely slopes, by
-/// the model and each of its members. A point that was not sampled counts as 0 in the low end and as 1 in the high end.
+/// Interval on P(go) from the spread of soil, slope and model: every point, at nine equally likely slopes, by the model
+/// and each of its members. A point that was not sampled counts as 0 in the low end, and in the high end as the most
+/// that it may be. Steeper than sampled, the high end is that of the steepest sampled slope.
 void SoilResponse::add_interval(double gradient_error, std::size_t models) {
+  const int steepest = std::clamp(int(std::floor(sampled_slope_.maximum * kSlopeSteps)), 0, kLastStep);
+  const std::size_t points = points_.all().size() * models;
 #pragma omp parallel for schedule(static)
   for (int i = 0; i <= kLastStep; ++i) {
     std::vector<double> low, high;
     const double rise = std::tan(to_radians(i / kSlopeSteps));
     for (const double part : kNormalParts) {
       const double slope = to_degrees(std::atan(std::abs(rise + part * gradient_error)));
-      const auto& known = p_each_[std::size_t(std::clamp(int(std::lround(slope * kSlopeSteps)), 0, kLastStep))];
-      low.insert(low.end(), known.begin(), known.end());
-      low.insert(low.end(), points_.all().size() * models - known.size(), -1.0);
+      const int step = std::clamp(int(std::lround(slope * kSlopeSteps)), 0, kLastStep);
+      const SoilPoints::Each &known = p_each_[std::size_t(step)],
+                             &most = p_each_[std::size_t(std::min(step, steepest))];
+      const std::size_t before = low.size();
+      low.insert(low.end(), known.sampled.begin(), known.sampled.end());
+      low.resize(before + points, 0.0);
+      high.insert(high.end(), most.sampled.begin(), most.sampled.end());
+      high.insert(high.end(), most.most.begin(), most.most.end());
+      high.resize(before + points, 1.0);
       if (gradient_error == 0) break;
     }
-    high = low;
-    std::replace(low.begin(), low.end(), -1.0, 0.0);
-    std::replace(high.begin(), high.end(), -1.0, 1.0);
     std::sort(low.begin(), low.end());
     std::sort(high.begin(), high.end());
     CellAnswer& answer = table_[std::size_t(i)];

@@ -86,10 +86,11 @@ struct CellAnswer {
 /// reading and writing its rasters. SoilResponse::at() gives P(go) of a cell; SoilPoints::at() computes the entries.
 class SoilResponse {
  public:
-  /// `points`: from soil_points(). `soft`: from soft_points(). `gradient_error`: standard error of the slope that
+  /// `points`: from soil_points(). `soft`: from soft_points(), `alternative` from point_alternatives() for the same
+  /// points. `gradient_error`: standard error of the slope that
   /// follows from the elevation's error [rise per metre]; it widens p_low and p_high.
   SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
-               double gradient_error = 0, SoftPoints soft = {});
+               double gradient_error = 0, SoftPoints soft = {}, std::vector<int> alternative = {});
 
   /// Straight uphill (slope_along = slope_deg, slope_across = 0), slope_deg in [0, 90]. A cell steeper than sampled is
   /// no_go if the steepest sampled slope is no_go, with its reason. Otherwise it is unknown.
@@ -99,10 +100,12 @@ class SoilResponse {
     return headings_.at(bed_slopes(rounded_slope(slope_deg), psi));
   }
 
-  /// Probability of outcome `o` uphill at slope i / kSlopeSteps [deg]; 0 where nothing was sampled.
-  double uphill_outcome(std::size_t i, std::size_t o) const {
-    return uphill_outcomes_[i].empty() ? 0.0 : uphill_outcomes_[i][o];
-  }
+  /// What decides uphill at slope i / kSlopeSteps [deg].
+  struct Uphill {
+    std::vector<double> reason_weight;  // [outcome], see Prospect; empty where nothing was sampled
+    PassageBounds bounds;
+  };
+  const Uphill& uphill(std::size_t i) const { return uphill_[i]; }
 
   /// Sampled range of slope_along [deg].
   Range sampled_slope() const { return sampled_slope_; }
@@ -129,10 +132,10 @@ class SoilResponse {
   HeadingTable headings_;
   std::map<std::string, SlopeMeasure> measures_;
   Range sampled_slope_;
-  std::vector<float> heading_speed_;                  // [node of headings_] [m/s]; empty: not given
-  std::vector<CellAnswer> table_;                     // [round(slope x kSlopeSteps)], 0 to 90 degrees
-  std::vector<std::vector<double>> uphill_outcomes_;  // [step][outcome]; empty where nothing was sampled
-  std::vector<std::vector<double>> p_each_;           // [step][sampled point]; freed after construction
+  std::vector<float> heading_speed_;      // [node of headings_] [m/s]; empty: not given
+  std::vector<CellAnswer> table_;         // [round(slope x kSlopeSteps)], 0 to 90 degrees
+  std::vector<Uphill> uphill_;            // [step]
+  std::vector<SoilPoints::Each> p_each_;  // [step]; freed after construction
 };
 
 }  // namespace gonogo::map

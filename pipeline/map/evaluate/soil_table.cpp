@@ -22,20 +22,33 @@ std::optional<Soil> soil_in(const Soil& soil, const MoistureState& state) {
   return part;
 }
 
-/// Adds a soil with softness by cohesion and friction angle. If the region has measured cone indices, adds it once more
-/// for cells whose index is high enough.
+/// Points that are too soft in an entry of the table.
+SoftPoints soft_in(const OutcomeModel& model, const Region& region, const Soil& soil, Measured measured,
+                   const std::vector<std::vector<double>>& points) {
+  if (measured == Measured::firm) return {};
+  if (measured == Measured::soft) return measured_soft(points.size(), *model.cone_index);
+  return soft_points(region, soil, points, model.cone_index);
+}
+
+/// Adds a soil with softness by cohesion and friction angle. If the region has measured cone indices, adds it twice
+/// more: for cells whose index is high enough, and for those below VCI50.
 void add_soil(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
               const Soil& soil, int state, SoilTable& table) {
   MapRules own = rules;
   own.max_speed = std::min(rules.max_speed, soil.max_speed);
   const auto points = soil_points(region, soil, rules.values, rules.draws);
   const bool may_be_soft = is_fine_grained(region, soil).value_or(true);
-  table.add(soil, state, may_be_soft, false,
-            SoilResponse(model, own, points, error_of_gradient, soft_points(region, soil, points, model.cone_index)));
-  if (!region.cone_index || !may_be_soft) return;
-  Soil firm = soil;
-  firm.name += ", measured firm";
-  table.add(firm, state, may_be_soft, true, SoilResponse(model, rules, points, error_of_gradient));
+  const auto add = [&](Measured measured, const char* name) {
+    Soil entry = soil;
+    entry.name += name;
+    table.add(std::move(entry), state, may_be_soft, measured,
+              SoilResponse(model, own, points, error_of_gradient, soft_in(model, region, soil, measured, points),
+                           point_alternatives(soil, points.size())));
+  };
+  add(Measured::nothing, "");
+  if (!has_cone_index(region) || !may_be_soft) return;
+  add(Measured::firm, ", measured firm");
+  add(Measured::soft, ", measured soft");
 }
 
 Spread fixed_size(double metres) { return {Spread::Kind::fixed, metres, metres, "obstacles of the region"}; }
@@ -53,9 +66,9 @@ void add_ditch(const OutcomeModel& model, const Region& region, const MapRules& 
   own.max_speed = std::min({rules.max_speed, soil.max_speed, speed.maximum});
   soil.max_speed = own.max_speed;
   const auto points = soil_points(region, soil, own.values, rules.draws);
-  const bool firm = table.find_firm(ground.code, table.moisture[position]) == position;
-  const SoftPoints soft = firm ? SoftPoints{} : soft_points(region, soil, points, model.cone_index);
-  table.add_ditch(position, ditch, std::move(soil), SoilResponse(model, own, points, error_of_gradient, soft));
+  const SoftPoints soft = soft_in(model, region, soil, table.measured[position], points);
+  table.add_ditch(position, ditch, std::move(soil),
+                  SoilResponse(model, own, points, error_of_gradient, soft, point_alternatives(ground, points.size())));
 }
 
 /// Adds an entry for every ditch in every soil of the table in which one of its cells lies.
@@ -104,8 +117,8 @@ Region with_occurring_soils(const Region& region, const MapSources& sources) {
 
 }  // namespace
 
-std::optional<std::size_t> SoilTable::find(std::int64_t key) const {
-  const auto found = index_.find(key);
+std::optional<std::size_t> SoilTable::find(int code, int state, Measured what) const {
+  const auto found = index_.find(key(code, state, what));
   return found == index_.end() ? std::nullopt : std::optional(found->second);
 }
 
@@ -114,13 +127,15 @@ std::optional<std::size_t> SoilTable::find_ditch(std::size_t soil, std::size_t d
   return found == ditch_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void SoilTable::add(Soil soil, int state, bool soft_allowed, bool firm, SoilResponse response) {
-  index_[key(soil.code, state, firm)] = soils.size();
+void SoilTable::add(Soil soil, int state, bool soft_allowed, Measured what, SoilResponse response) {
+  index_[key(soil.code, state, what)] = soils.size();
+  measured.push_back(what);
   append(std::move(soil), state, soft_allowed, std::move(response), false);
 }
 
 void SoilTable::add_ditch(std::size_t soil, std::size_t ditch, Soil with_ditch, SoilResponse response) {
   ditch_[{soil, ditch}] = soils.size();
+  measured.push_back(measured[soil]);
   append(std::move(with_ditch), moisture[soil], may_be_soft[soil], std::move(response), true);
 }
 
@@ -144,9 +159,9 @@ SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const
   std::vector<Soil> soils = region.soils;
   if (soils.empty())
     soils.push_back({.code = 0, .name = "all soils", .note = "", .texture = "", .samples = {}, .values = {}});
-  if (region.cone_index && !model.cone_index)
+  if (has_cone_index(region) && !model.cone_index)
     throw InputError(region.file.string() +
-                     ": rasters: a cone_index raster tells nothing without a vehicle; name one "
+                     ": a cone index tells nothing without a vehicle; name one "
                      "by --vehicle, or by \"cone_index_of\" in the section map of the study");
   if (model.cone_index) table.need = *model.cone_index;
   for (const int state : states_of(region, rules))

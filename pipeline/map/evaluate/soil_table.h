@@ -1,6 +1,6 @@
 // The soils of a region with their tabulated answers. The key is the soil code of the raster and the moisture state.
-// Fine-grained soils have a second entry for cells whose measured cone index is high enough. Ditches that a model
-// answers for have an entry for every soil in which they lie.
+// Fine-grained soils have two more entries for cells with a measured cone index: high enough, and below VCI50. Ditches
+// that a model answers for have an entry for every soil in which they lie.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -13,6 +13,9 @@
 
 namespace gonogo::map {
 
+/// What a measured cone index says of a fine-grained soil; one below VCI1 is a rule.
+enum class Measured { nothing, firm, soft };
+
 struct SoilTable {
   std::vector<Soil> soils;                   // the name includes the moisture state, if there is one
   std::vector<SoilResponse> responses;       // [soils]
@@ -22,21 +25,22 @@ struct SoilTable {
   std::vector<std::uint64_t> cells;          // [soils] cells with a slope; counted while the map is made
   std::vector<std::string> without_samples;  // "wet loam": soils without a sample in that state
   std::vector<char> has_ditch;               // [soils] 1: the entry of a ditch
+  std::vector<Measured> measured;            // [soils] of a ditch as of its soil
 
   /// Position in `soils`; nothing if the table does not list the code or has no sample in this state.
-  std::optional<std::size_t> find(int code, int state) const { return find(key(code, state, false)); }
-  /// The entry for cells whose measured cone index is high enough.
-  std::optional<std::size_t> find_firm(int code, int state) const { return find(key(code, state, true)); }
+  std::optional<std::size_t> find(int code, int state) const { return find(code, state, Measured::nothing); }
+  std::optional<std::size_t> find(int code, int state, Measured measured) const;
   /// The entry of a ditch, by its position in MapSources::ditches, in the soil at a position of `soils`.
   std::optional<std::size_t> find_ditch(std::size_t soil, std::size_t ditch) const;
 
-  void add(Soil soil, int state, bool soft_allowed, bool firm, SoilResponse response);
+  void add(Soil soil, int state, bool soft_allowed, Measured measured, SoilResponse response);
   void add_ditch(std::size_t soil, std::size_t ditch, Soil with_ditch, SoilResponse response);
 
  private:
   void append(Soil soil, int state, bool soft_allowed, SoilResponse response, bool ditch);
-  static std::int64_t key(int code, int state, bool firm) { return std::int64_t(code) * 16 + 2 * state + firm; }
-  std::optional<std::size_t> find(std::int64_t key) const;
+  static std::int64_t key(int code, int state, Measured measured) {
+    return std::int64_t(code) * 16 + 4 * state + int(measured);
+  }
 
   std::unordered_map<std::int64_t, std::size_t> index_;
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> ditch_;  // by (soil, ditch)

@@ -47,12 +47,14 @@ function verdict_at(p, slow_is_likelier) {
   return p < state.go || slow_is_likelier ? SLOW_GO : GO;
 }
 
-/// Class of one entry of a table, as classify() in pipeline/map/region/rules.cpp.
-function classify(p, p_slow, outside, soft) {
-  if (Number.isNaN(p)) return UNKNOWN;
-  const not_sampled = outside - soft, u = soft + (not_sampled > meta.rules.tolerated_outside_share ? not_sampled : 0);
-  const low = p * (1 - u), slow = p_slow > p - p_slow, verdict = verdict_at(low, slow);
-  return verdict === verdict_at(low + u, slow) ? verdict : UNKNOWN;
+/// Class of one entry of a table, as classify() in pipeline/map/region/rules.cpp; `bounds` as PassageBounds there.
+function classify(p, p_slow, bounds) {
+  if (Number.isNaN(bounds.most)) return UNKNOWN;
+  if (bounds.most < state.no_go) return NO_GO;
+  if (bounds.least < state.no_go) return UNKNOWN;
+  const slow = p_slow > p - p_slow, verdict = verdict_at(bounds.lower, slow);
+  if (verdict !== verdict_at(bounds.upper, slow)) return UNKNOWN;
+  return verdict === GO && bounds.least < state.go ? SLOW_GO : verdict;
 }
 
 function likeliest_reason(soil, table, index) {
@@ -85,19 +87,27 @@ class Soil {
     this.update();
   }
 
+  /// Bounds of entry i of a table. Where every point was sampled and the soil is one, all are P(go).
+  bounds(table, i) {
+    const of = (name) => probability(blob[`${table}_${name}_${this.index}`][i]);
+    if (this.bounded) return { lower: of('lower'), upper: of('upper'), least: of('least'), most: of('most') };
+    const p = probability((table === 'uphill' ? this.uphill_p : this.node_p)[i]);
+    return { lower: p, upper: p, least: p, most: p };
+  }
+
   update() {
-    const classes = (p, slow) => Uint8Array.from(p, (q, i) => classify(probability(q), probability(slow[i]), this.outside_share, this.soft_share));
-    this.node_class = classes(this.node_p, this.node_slow);
-    this.uphill_class = classes(this.uphill_p, this.uphill_slow);
-    const inside = reason_of_unknown(this.outside_share, this.soft_share);
+    const classes = (table, p, slow) => Uint8Array.from(p, (q, i) => classify(probability(q), probability(slow[i]), this.bounds(table, i)));
+    this.node_class = classes('heading', this.node_p, this.node_slow);
+    this.uphill_class = classes('uphill', this.uphill_p, this.uphill_slow);
+    const inside = this.outside_share > 0 ? reason_of_unknown(this.outside_share, this.soft_share) : reason_code.input_missing;
     this.reason_outside = reason_of_unknown(1, this.soft_share);
-    const reasons = (table, verdicts, p) => verdicts.map((v, i) => (v === NO_GO ? likeliest_reason(this, table, i)
-      : v !== UNKNOWN ? 0 : p[i] === NONE16 ? this.reason_outside : inside));
-    this.node_reason = reasons('heading', this.node_class, this.node_p);
-    this.uphill_reason = reasons('uphill', this.uphill_class, this.uphill_p);
+    const reasons = (table, verdicts) => verdicts.map((v, i) => (v === NO_GO ? likeliest_reason(this, table, i)
+      : v !== UNKNOWN ? 0 : Number.isNaN(this.bounds(table, i).most) ? this.reason_outside : inside));
+    this.node_reason = reasons('heading', this.node_class);
+    this.uphill_reason = reasons('uphill', this.uphill_class);
     const last = this.along_count - 1;
     this.steeper = Array.from({ length: this.across_count }, (_, j) => last >= 0 && this.node_class[last * this.across_count + j] === NO_GO);
-    const sampled = this.uphill_p.findLastIndex((q) => q !== NONE16);
+    const asked = this.bounded ? blob[`uphill_most_${this.index}`] : this.uphill_p, sampled = asked.findLastIndex((q) => q !== NONE16);
     if (sampled >= 0 && this.uphill_class[sampled] === NO_GO) {
       this.uphill_class.fill(NO_GO, sampled + 1);
       this.uphill_reason.fill(this.uphill_reason[sampled], sampled + 1);

@@ -97,6 +97,9 @@ function outcomes_of(answer) {
     const q = blob[`${answer.table}_${answer.soil.index}_${outcome.reason}`];
     if (q && answer.index >= 0) rows.push({ label: `${verdict_label(NO_GO)}: ${reason_info(reason_code[outcome.reason]).label}`, p: q[answer.index] / 255, rgb: verdict_colour(NO_GO) });
   }
+  // The tables hold weights of reasons over all points, P(go) is of those that were sampled.
+  const weight = rows.slice(2).reduce((sum, r) => sum + r.p, 0);
+  if (answer.soil.bounded) for (const r of rows.slice(2)) r.p *= (1 - answer.p) / Math.max(weight, 1e-9);
   const shown = rows.filter((r, i) => i < 2 || r.p >= 0.005), rest = 1 - shown.reduce((sum, r) => sum + r.p, 0);
   return rest >= 0.005 ? [...shown, { label: `${verdict_label(NO_GO)}: other`, p: rest, rgb: verdict_colour(NO_GO) }] : shown;
 }

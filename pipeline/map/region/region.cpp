@@ -1,6 +1,7 @@
 #include "pipeline/map/region/region.h"
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/error.h"
@@ -102,6 +103,17 @@ void read_moisture(const Config& config, Region& region) {
     config.fail("moisture", "missing; say from how much water [percent] on a soil is dry, moist or wet");
 }
 
+/// A cone index that holds everywhere.
+void read_cone_index(const Config& config, Region& region) {
+  const auto index = config.object_if("cone_index");
+  if (!index) return;
+  if (region.cone_index) config.fail("cone_index", "and a raster cone_index are both given; keep one of them");
+  const double unit = index->choice("unit", {"psi", "kPa"}) == "psi" ? kPsi : 1e3;
+  region.cone_index_everywhere = unit * index->number("fixed", {0, kMaxConeIndex / unit});
+  index->text("source");
+  index->finish();
+}
+
 void read_grid(const Config& config, Region& region) {
   const auto grid = config.object_if("grid");
   if (!grid) return;
@@ -137,6 +149,7 @@ Region read_region(const std::filesystem::path& path) {
   region.name = config.text("region");
   region.about = config.text_or("about", "");
   read_rasters(config, region);
+  read_cone_index(config, region);
   read_grid(config, region);
   if (config.has("gravity")) region.gravity = config.number("gravity", campaign::kGravityRange);
   read_land(config, region);
@@ -172,7 +185,6 @@ std::vector<LandRule> land_rules(const Region& region) {
   std::vector<LandRule> rules = region.land;
   rules.push_back({-1, "land cover not known", campaign::Verdict::unknown, campaign::Reason::land_unknown});
   rules.push_back({-1, "measured cone index below VCI1", campaign::Verdict::no_go, campaign::Reason::soft_soil});
-  rules.push_back({-1, "measured cone index below VCI50", campaign::Verdict::unknown, campaign::Reason::soft_soil});
   rules.push_back({-1, "exactly flat: water or a void", campaign::Verdict::unknown, campaign::Reason::land_unknown});
   for (const Obstacle& o : region.obstacles) {
     rules.push_back({-1, o.name, campaign::Verdict::no_go, reason_of(o.kind, Crossing::no_go)});
@@ -217,7 +229,7 @@ std::vector<std::vector<double>> soil_points(const Region& region, const Soil& s
   std::vector<SoilSample> samples = soil.samples;
   if (samples.empty()) samples.emplace_back();
   std::vector<std::vector<double>> points;
-  int shift = 0;
+  std::map<int, int> samples_of;  // by alternative
   for (const SoilSample& sample : samples) {
     Spreads spreads = overriding;  // insert() keeps what is already there
     spreads.insert(sample.values.begin(), sample.values.end());
@@ -226,11 +238,11 @@ std::vector<std::vector<double>> soil_points(const Region& region, const Soil& s
     const auto angle = spreads.find("friction_angle");
     const bool converts = angle != spreads.end() && angle->second.kind != Spread::Kind::unknown &&
                           !angle->second.meaning.is_triaxial_peak();
+    const int shift = soil.draws > 0 ? samples_of[sample.alternative]++ : 0;
     for (auto& point : spread_points(spreads, soil.draws > 0 ? soil.draws : draws, shift)) {
       if (converts) make_triaxial(region, angle->second.meaning, point);
       points.push_back(std::move(point));
     }
-    shift += soil.draws > 0;
   }
   return points;
 }

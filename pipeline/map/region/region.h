@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/json/config.h"
+#include "base/units.h"
 #include "pipeline/map/region/obstacle.h"
 #include "pipeline/map/region/soil.h"
 #include "terrain/raster/grid.h"
@@ -40,6 +41,7 @@ struct Region {
   std::string name, about;
   RegionRaster elevation;
   std::optional<RegionRaster> soil_class, land_cover, moisture, cone_index;
+  std::optional<double> cone_index_everywhere{};  // in place of the raster [Pa]
   terrain::GridWish grid;
   std::optional<double> gravity;                // [m/s^2]; none: that of the elevation's body
   std::vector<LandRule> land;                   // for the codes of land_cover
@@ -53,20 +55,25 @@ struct Region {
   std::string soil_text{};                      // names and hashes of soils that come by name; empty: none does
 };
 
+/// Whether a cone index was measured, somewhere or everywhere.
+inline bool has_cone_index(const Region& region) {
+  return region.cone_index.has_value() || region.cone_index_everywhere.has_value();
+}
+/// Greatest cone index that is read [Pa]: that of a penetrometer's dial with the smaller cone.
+inline constexpr double kMaxConeIndex = 750 * kPsi;
+
 /// Reads a region file. Paths in it are relative to its folder. Does not open the rasters. Throws InputError.
 Region read_region(const std::filesystem::path& path);
 
-/// Rules that decide before the soil does. First come the region's own, in their order. Four follow: for a land cover
-/// code that the region does not list, for a measured cone index below VCI1 and below VCI50, and for large exactly flat
-/// areas of which nobody said what they are. Two follow for each obstacle: no_go, and unknown.
+/// Rules that decide before the soil does. First come the region's own, in their order. Three follow: for a land cover
+/// code that the region does not list, for a measured cone index below VCI1, and for large exactly flat areas of which
+/// nobody said what they are. Two follow for each obstacle: no_go, and unknown.
 std::vector<LandRule> land_rules(const Region& region);
 inline std::size_t land_unknown_rule(const Region& region) { return region.land.size(); }
 inline std::size_t below_one_pass_rule(const Region& region) { return region.land.size() + 1; }
-inline std::size_t below_fifty_passes_rule(const Region& region) { return region.land.size() + 2; }
-
-inline std::size_t flat_rule(const Region& region) { return region.land.size() + 3; }
+inline std::size_t flat_rule(const Region& region) { return region.land.size() + 2; }
 inline std::size_t obstacle_rule(const Region& region, std::size_t obstacle, Crossing crossing) {
-  return region.land.size() + 4 + 2 * obstacle + (crossing == Crossing::unknown);
+  return region.land.size() + 3 + 2 * obstacle + (crossing == Crossing::unknown);
 }
 
 /// Equally likely points of a soil over the variables of the contract [points][variable count]; slopes are NaN. Every

@@ -1,5 +1,7 @@
 #include "pipeline/map/region/rules.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/format.h"
 
@@ -17,8 +19,8 @@ campaign::Reason likeliest_no_go_reason(const Prospect& prospect) {
   double best = -1;
   campaign::Reason reason = campaign::Reason::none;
   for (std::size_t i = 0; i < outcomes.size(); ++i)
-    if (outcomes[i].verdict == campaign::Verdict::no_go && prospect.outcome[i] > best) {
-      best = prospect.outcome[i];
+    if (outcomes[i].verdict == campaign::Verdict::no_go && prospect.reason_weight(i) > best) {
+      best = prospect.reason_weight(i);
       reason = outcomes[i].reason;
     }
   return reason;
@@ -83,15 +85,46 @@ campaign::Reason reason_of_unknown(const Prospect& prospect) {
   return soft ? campaign::Reason::soft_soil : campaign::Reason::outside_sampled;
 }
 
+double Prospect::reason_weight(std::size_t o) const {
+  const double sampled = outcome.empty() ? 0 : outcome[o] * (1 - outside_share);
+  return sampled + (bounding.empty() ? 0 : bounding[o] * outside_share);
+}
+
+namespace {
+
+Range bounds_of(const Estimate& e, const MapRules& rules) {
+  const double not_sampled = e.outside_share - e.soft_share;
+  const bool counts = e.outside_share >= 1 || not_sampled > rules.tolerated_outside_share;
+  const double outside = e.soft_share + (counts ? not_sampled : 0);
+  const double lower = e.outside_share >= 1 ? 0 : e.p_go * (1 - outside);
+  return {lower, lower + e.soft_share * e.soft_most + (counts ? not_sampled * e.outside_most : 0)};
+}
+
+}  // namespace
+
+PassageBounds bounds_of(const Prospect& p, const MapRules& rules) {
+  const Range all = bounds_of(
+      Estimate{p.outside_share >= 1 ? 0 : p.p_go(), p.outside_share, p.soft_share, p.soft_most, p.outside_most}, rules);
+  PassageBounds bounds{all.minimum, all.maximum, all.minimum, all.maximum};
+  for (const Estimate& e : p.alternative) {
+    const Range one = bounds_of(e, rules);
+    bounds.least = std::min(bounds.least, one.minimum);
+    bounds.most = std::max(bounds.most, one.maximum);
+  }
+  return bounds;
+}
+
 CellClass classify(const Prospect& prospect, const MapRules& rules) {
-  if (prospect.outside_share >= 1) return {campaign::Verdict::unknown, reason_of_unknown(prospect)};
-  const double not_sampled = prospect.outside_share - prospect.soft_share;
-  const double outside = prospect.soft_share + (not_sampled > rules.tolerated_outside_share ? not_sampled : 0);
-  const double lower = prospect.p_go() * (1 - outside), upper = lower + outside;
-  const bool slow = prospect.of(campaign::Verdict::slow_go) > prospect.of(campaign::Verdict::go);
-  const campaign::Verdict verdict = verdict_at(lower, slow, rules);
-  if (verdict != verdict_at(upper, slow, rules)) return {campaign::Verdict::unknown, reason_of_unknown(prospect)};
-  return {verdict, verdict == campaign::Verdict::no_go ? likeliest_no_go_reason(prospect) : campaign::Reason::none};
+  using campaign::Verdict;
+  const PassageBounds bounds = bounds_of(prospect, rules);
+  if (bounds.most < rules.no_go) return {Verdict::no_go, likeliest_no_go_reason(prospect)};
+  const CellClass unknown = {
+      Verdict::unknown, prospect.outside_share > 0 ? reason_of_unknown(prospect) : campaign::Reason::input_missing};
+  if (bounds.least < rules.no_go) return unknown;
+  const bool slow = prospect.of(Verdict::slow_go) > prospect.of(Verdict::go);
+  const Verdict verdict = verdict_at(bounds.lower, slow, rules);
+  if (verdict != verdict_at(bounds.upper, slow, rules)) return unknown;
+  return {verdict == Verdict::go && bounds.least < rules.go ? Verdict::slow_go : verdict, campaign::Reason::none};
 }
 
 }  // namespace gonogo::map

@@ -1,9 +1,15 @@
 // From outcome probabilities to the class and reason of a cell.
 //
 // P(go) is the probability that a valid trial ends in go or slow_go. Let u be the share of the soil's points that was
-// never sampled, and p the P(go) of the others. P(go) then lies between p (1 - u) and p (1 - u) + u. A cell gets a
-// class only if the whole interval agrees on it; otherwise it is unknown. So no cell is go because of soil that was not
-// simulated. Points that are too soft (pipeline/map/evaluate/soil_points.h) count as not sampled.
+// never sampled, p the P(go) of the others, and m the most that P(go) of the unsampled points may be: that of the
+// weakest sampled strength where they are weaker, else 1. P(go) then lies between p (1 - u) and p (1 - u) + u m. A cell
+// gets a class only if the whole interval agrees on it; otherwise it is unknown. So no cell is go because of soil that
+// was not simulated, and soil that is weaker than the weakest sampled one is no_go where that is. Points that are too
+// soft (pipeline/map/evaluate/soil_points.h) count as not sampled.
+//
+// A soil that nobody named, or whose moisture nobody named, is one of several alternatives. A cell is no_go if each of
+// them is, unknown if only some may be, and go only if each is at least that. So what is not known never makes a cell
+// better than unknown where the soil, once known, is no_go.
 #pragma once
 #include <cmath>
 #include <filesystem>
@@ -49,14 +55,34 @@ void set_heading(MapRules& rules, const std::string& text, const std::string& wh
 /// "uphill heading", "heading 45 degrees from grid north", ...
 std::string heading_text(const MapRules& rules);
 
+/// What the model says about points of a soil that are equally likely.
+struct Estimate {
+  double p_go = 0;           // mean over the sampled points
+  double outside_share = 1;  // share of the points that were not sampled or are too soft
+  double soft_share = 0;     // share of the points that are too soft
+  double soft_most = 1;      // the most that the mean P(go) of soft points may be
+  double outside_most = 1;   // the same of those that were not sampled and are not soft
+};
+
 /// Answer of the model about a soil at one pair of slopes.
 struct Prospect {
   std::vector<double> outcome;  // [outcome count] mean over the sampled points; zeros without any
-  double outside_share = 1;     // share of the soil's points that were not sampled or are too soft
-  double soft_share = 0;        // share of the soil's points that are too soft
+  double outside_share = 1;     // as in Estimate, likewise the next three
+  double soft_share = 0;
+  double soft_most = 1, outside_most = 1;
+  std::vector<double> bounding{};       // [outcome count] of the points whose P(go) bounds that of others; empty: none
+  std::vector<Estimate> alternative{};  // of which the soil is one; empty: it is not divided
 
   double of(campaign::Verdict verdict) const;  // sum over its outcomes
   double p_go() const;                         // of the sampled points; NaN without any
+  /// Weight of a no-go outcome among reasons: by its share of all points, sampled or bounded [-].
+  double reason_weight(std::size_t outcome) const;
+};
+
+/// Bounds on P(go) of a soil.
+struct PassageBounds {
+  double lower = 0, upper = 1;  // of the mean over all of its points
+  double least = 0, most = 1;   // of its alternatives: the least lower and the greatest upper one
 };
 
 struct CellClass {
@@ -67,8 +93,11 @@ struct CellClass {
 /// soft_soil if at least half of outside_share is too soft; outside_sampled otherwise.
 campaign::Reason reason_of_unknown(const Prospect& prospect);
 
-/// Class and reason of a cell. The reason of no_go is the likeliest one; that of unknown is reason_of_unknown(). Points
-/// that are too soft are never tolerated.
+/// Points that are too soft are never tolerated.
+PassageBounds bounds_of(const Prospect& prospect, const MapRules& rules);
+
+/// Class and reason of a cell. The reason of no_go is the likeliest one. That of unknown is reason_of_unknown() where
+/// points are not sampled, and input_missing where only alternatives differ.
 CellClass classify(const Prospect& prospect, const MapRules& rules);
 
 /// Slope along the heading (uphill positive) and across it (left side up positive) [deg].

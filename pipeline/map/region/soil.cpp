@@ -194,8 +194,9 @@ Soil read_road_soil(const Config& config, int code, const std::string& name) {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kDraws = 64;       // points of a soil that is named
-constexpr int kDrawsOfEach = 4;  // of each of the textures that an unnamed soil may have
+/// Points of each state of a soil that is named or not given. The same for all, so that a state gives the same answer
+/// alone and among others.
+constexpr int kDraws = 32;
 
 std::string lower(std::string text) {
   for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
@@ -232,8 +233,10 @@ Spread spread_of(const terrain::SoilValue& value) {
   return {kind, value.low, value.high, value.source.empty() ? value.no_source : value.source};
 }
 
-SoilSample sample_of(const terrain::SoilState& state) {
+/// `alternative`: see SoilSample.
+SoilSample sample_of(const terrain::SoilState& state, std::size_t alternative) {
   SoilSample sample;
+  sample.alternative = int(alternative);
   sample.values["friction_angle"] = spread_of(state.friction_angle);
   sample.values["friction_angle"].meaning = state.meaning;
   sample.values["cohesion"] = spread_of(state.cohesion);
@@ -249,17 +252,38 @@ bool is_of(const terrain::SoilState& state, const std::string& moisture) {
   return moisture.empty() || state.moisture == moisture;
 }
 
-/// The states of one texture at this moisture.
+/// The states of one texture, or of one class of the USCS, at this moisture.
 Soil texture_soil(const terrain::SoilFile& usda, const std::string& texture, const std::string& moisture) {
   Soil soil{.name = texture + (moisture.empty() ? "" : ", " + moisture), .texture = texture, .draws = kDraws};
   for (const terrain::SoilState& state : usda.states)
-    if (state.texture == texture && is_of(state, moisture)) soil.samples.push_back(sample_of(state));
-  if (soil.samples.size() > 1) soil.draws = kDraws / int(soil.samples.size());
+    if (state.texture == texture && is_of(state, moisture))
+      soil.samples.push_back(sample_of(state, soil.samples.size()));
   return soil;
 }
 
+std::string upper(std::string text) {
+  for (char& c : text) c = char(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_uscs(const std::string& name) {
+  const auto& all = terrain::uscs_classes();
+  return std::find(all.begin(), all.end(), upper(name)) != all.end();
+}
+
+void refuse_organic(const std::string& name) {
+  const std::string symbol = upper(name);
+  if (symbol == "PT" || symbol == "OH" || symbol == "OL")
+    throw InputError("\"" + name + "\" is an organic class of the USCS: no trial has fibres or peat, so that no map " +
+                     "answers for it; give a measured cone index and the inorganic class beneath, or one of " +
+                     join_words(terrain::uscs_classes()));
+}
+
+fs::path uscs_file() { return shipped_file("soils", "soil", "uscs"); }
+
 fs::path find_soil_file(const std::string& name) {
   if (fs::is_regular_file(name)) return name;
+  refuse_organic(name);
   std::vector<std::string> names = terrain::usda_textures();
   for (const fs::path& folder : shipped_folders("soils"))
     for (const std::string& file : shipped_names(folder, "calibration")) {
@@ -267,8 +291,8 @@ fs::path find_soil_file(const std::string& name) {
       if (std::find(names.begin(), names.end(), file) == names.end()) names.push_back(file);
     }
   throw InputError("\"" + name + "\" is no soil (did you mean \"" + nearest_word(lower(name), names) +
-                   "\"?); name a USDA texture, a soil of configs/soils, a soil file, or a raster of USDA textures: " +
-                   join_words(names));
+                   "\"?); name a USDA texture, a class of the USCS (" + join_words(terrain::uscs_classes()) +
+                   "), a soil of configs/soils, a soil file, or a raster of USDA textures: " + join_words(names));
 }
 
 }  // namespace
@@ -276,18 +300,19 @@ fs::path find_soil_file(const std::string& name) {
 Soil named_soil(const std::string& text, const std::string& asked) {
   const auto [name, moisture] = split(text, asked);
   if (is_texture(lower(name))) return texture_soil(terrain::read_soil(usda_file()), lower(name), moisture);
+  if (is_uscs(name)) return texture_soil(terrain::read_soil(uscs_file()), upper(name), moisture);
   const fs::path path = find_soil_file(name);
   const terrain::SoilFile file = terrain::read_soil(path);
   Soil soil{.name = file.name + (moisture.empty() ? "" : ", " + moisture), .note = file.about};
   std::vector<std::string> states;
   for (const terrain::SoilState& state : file.states) {
     states.push_back(state.name);
-    if (is_of(state, moisture)) soil.samples.push_back(sample_of(state));
+    if (is_of(state, moisture)) soil.samples.push_back(sample_of(state, soil.samples.size()));
   }
   if (soil.samples.empty())
     throw InputError(path.string() + ": no state of this soil is " + moisture + "; it has: " + join_words(states) +
                      "; leave the moisture open to take all of them");
-  soil.draws = std::max(1, kDraws / int(soil.samples.size()));
+  soil.draws = kDraws;
   return soil;
 }
 
@@ -295,9 +320,9 @@ Soil soil_not_given(const std::string& moisture) {
   Soil soil;
   soil.name = "soil not given: any USDA texture" + (moisture.empty() ? ", dry, moist or wet" : ", " + moisture);
   soil.given = false;
-  soil.draws = kDrawsOfEach;
+  soil.draws = kDraws;
   for (const terrain::SoilState& state : terrain::read_soil(usda_file()).states)
-    if (is_of(state, moisture)) soil.samples.push_back(sample_of(state));
+    if (is_of(state, moisture)) soil.samples.push_back(sample_of(state, soil.samples.size()));
   return soil;
 }
 
@@ -324,6 +349,7 @@ std::vector<Soil> texture_soils(const std::vector<std::string>& class_names, con
 
 std::string soil_hash(const std::string& text) {
   const std::string name = split(text, "").name;
+  if (is_uscs(name)) return file_hash(uscs_file());
   return file_hash(name.empty() || is_texture(lower(name)) ? usda_file() : find_soil_file(name));
 }
 

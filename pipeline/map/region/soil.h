@@ -46,6 +46,7 @@ struct SoilSample {
   std::optional<double> cone_index = std::nullopt;     // [Pa]; none: not measured
   std::string texture{};                               // empty: as the soil's
   std::string moisture{};                              // "dry", "moist" or "wet" without a water content; empty: any
+  int alternative = 0;  // samples of different numbers are alternatives, of which nobody said which one holds
 };
 
 /// A moisture state. Samples with a water content in [low, high) belong to it.
@@ -87,9 +88,9 @@ Soil read_soil(const Config& config);
 Soil read_road_soil(const Config& config, int code, const std::string& name);
 
 /// A soil by name, for maps and region files that hold no table of their own. `text`: a USDA texture of
-/// configs/soils/usda.json ("sandy loam"), the name of a soil in configs/soils ("lete_sand"), or a soil file; a
-/// moisture may follow ("sandy loam, wet"), or be asked for beside it. Every value of a range is as likely. Each of the
-/// soil's states is one sample; with a moisture
+/// configs/soils/usda.json ("sandy loam"), a class of the USCS ("SM") in uscs.json, the name of a soil in configs/soils
+/// ("lete_sand"), or a soil file; a moisture may follow ("sandy loam, wet"), or be asked for beside it. Every value of
+/// a range is as likely. Each of the soil's states is one sample; with a moisture
 /// ("dry", "moist" or "wet") only the states of that moisture are. Throws InputError for an unknown name, with the
 /// nearest ones, and for a soil without a state of that moisture.
 Soil named_soil(const std::string& text, const std::string& asked);

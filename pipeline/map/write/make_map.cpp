@@ -90,6 +90,7 @@ Json map_inputs(const MapRequest& request) {
   inputs["region"] = request.region.name;
   inputs["region_hash"] = file_hash(request.region.file);
   if (!request.region.soil_text.empty()) inputs["soil"] = request.region.soil_text;
+  if (const auto index = request.region.cone_index_everywhere) inputs["cone_index_kPa"] = *index / 1e3;
   for (const auto& [role, hash] : raster_hashes(request.region)) inputs[role + "_hash"] = hash;
   if (!request.region.elevation.heights.unit.empty()) inputs["height_unit"] = request.region.elevation.heights.unit;
   if (request.region.elevation.heights.flat_is_ground) inputs["flat"] = "ground";
@@ -198,14 +199,16 @@ void remark_on_tests(const Region& region, const Soil& soil, const std::string& 
 void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& points, double share,
                     std::vector<std::string>& remarks) {
   const std::string where = soil.name + " (" + percent(share) + " of the area): ";
-  remark_on_tests(region, soil, where, remarks);
   for (const std::string& because : points.soft_because()) remarks.push_back(where + because);
+  if (has_cone_index(region) && !is_fine_grained(region, soil).value_or(true))
+    remarks.push_back(where + "coarse-grained, so that its strength decides and the measured cone index is not used");
   if (!is_fine_grained(region, soil))
     remarks.push_back(where +
                       "no texture is given; the vehicle's cone index is required only where the friction angle is " +
                       line("below %g degrees", kMinAngleOfSand));
   for (const std::string& because : points.stronger_because()) remarks.push_back(where + because);
   if (!points.outside_because().empty()) remarks.push_back(where + join_words(points.outside_because()));
+  remark_on_tests(region, soil, where, remarks);
 }
 
 /// Which variables leave what trials sampled, and on which share of the area.
@@ -266,6 +269,21 @@ void remark_on_no_soil(const MapSummary& summary, const SoilTable& table, std::v
                       " of the area is unknown; name a soil with --soil, and a moisture with --moisture");
 }
 
+/// What P(go) is averaged over, besides the soil.
+void remark_on_mission(const Region& region, const MapRules& rules, std::vector<std::string>& remarks) {
+  Spreads spreads = rules.values;
+  spreads.insert(region.values.begin(), region.values.end());
+  std::vector<std::string> averaged;
+  for (const auto& [name, spread] : spreads) {
+    const campaign::Variable& variable = campaign::contract().variables[campaign::contract().variable_index(name)];
+    if (spread.kind != Spread::Kind::range || variable.prior == "region") continue;
+    averaged.push_back(name + line(" %.3g to %.3g", spread.low, spread.high) +
+                       (variable.unit == "1" || variable.unit == "-" ? "" : " " + variable.unit) + " (" +
+                       spread.source + ")");
+  }
+  if (!averaged.empty()) remarks.push_back("P(go) is averaged over " + join_words(averaged) + "; fix one with --set");
+}
+
 std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest& request, const MapDigest& digest,
                                     const SoilTable& table) {
   const Region& region = request.region;
@@ -278,6 +296,7 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest&
       remark_on_soil(region, table.soils[s], table.responses[s].points(),
                      double(table.cells[s]) / double(summary.area.total()), remarks);
   if (summary.area.total() > 0) remark_on_ranges(request.model, digest, table, remarks);
+  remark_on_mission(region, request.rules, remarks);
   if (summary.area.total() == 0)
     remarks.push_back("no cell has a slope: every cell is at the border or next to one without elevation");
   const bool given = std::all_of(table.soils.begin(), table.soils.end(), [](const Soil& s) { return s.given; });

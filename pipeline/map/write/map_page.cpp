@@ -111,7 +111,32 @@ void add_reasons(const std::string& table, int index, std::size_t count, std::si
   }
 }
 
-void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs) {
+/// Whether classes need more than P(go) of the sampled points: points were not sampled, or nobody said which soil it
+/// is.
+bool is_bounded(const SoilResponse& response) {
+  const SoilPoints& points = response.points();
+  return points.sampled_count() < points.all().size() || points.has_alternatives();
+}
+
+/// Appends the bounds that classes follow from, as probabilities.
+template <class BoundsAt>
+void add_bounds(const char* table, int index, std::size_t count, std::size_t width, const BoundsAt& bounds_at,
+                std::vector<Blob>& blobs) {
+  const std::pair<const char*, double PassageBounds::*> parts[] = {{"lower", &PassageBounds::lower},
+                                                                   {"upper", &PassageBounds::upper},
+                                                                   {"least", &PassageBounds::least},
+                                                                   {"most", &PassageBounds::most}};
+  for (const auto& [name, member] : parts) {
+    Blob blob{std::string(table) + "_" + name + "_" + std::to_string(index), 16, width, {}};
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::optional<PassageBounds> bounds = bounds_at(i);
+      blob.value.push_back(bounds ? stored((*bounds).*member) : std::uint16_t(kNone));
+    }
+    blobs.push_back(std::move(blob));
+  }
+}
+
+void add_heading_blobs(const SoilResponse& response, const MapRules& rules, int index, std::vector<Blob>& blobs) {
   const HeadingTable& table = response.headings();
   const std::size_t width = std::size_t(std::max(1, table.across_count()));
   const std::size_t count = std::size_t(table.along_count()) * std::size_t(table.across_count());
@@ -131,9 +156,17 @@ void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob
   add_reasons(
       "heading", index, count, width,
       [&](std::size_t i, std::size_t o) {
-        return node(i).prospect.outcome.empty() ? 0.0 : node(i).prospect.outcome[o];
+        return node(i).prospect.outcome.empty() ? 0.0 : node(i).prospect.reason_weight(o);
       },
       blobs);
+  if (is_bounded(response))
+    add_bounds(
+        "heading", index, count, width,
+        [&](std::size_t i) {
+          const Prospect& prospect = node(i).prospect;
+          return prospect.outcome.empty() ? std::nullopt : std::optional(bounds_of(prospect, rules));
+        },
+        blobs);
 }
 
 /// Name, samples, unknown variables, table sizes and measures of a soil.
@@ -148,6 +181,7 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   json["stronger_because"] = Json(response.points().stronger_because());
   json["soft_because"] = Json(response.points().soft_because());
   json["soft_share"] = response.points().soft_share();
+  json["bounded"] = is_bounded(response);
   json["outside_share"] = 1 - double(response.points().sampled_count()) / double(response.points().all().size());
   json["first_along"] = response.headings().first_along();
   json["first_across"] = response.headings().first_across();
@@ -180,11 +214,11 @@ Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, 
   Blob blob{"drive_" + std::to_string(index), 16, std::size_t(across), std::vector<std::uint16_t>(kept * nodes, kNone)};
 #pragma omp parallel for schedule(dynamic, 8)
   for (int node = 0; node < along * across; ++node) {
-    std::vector<double> p_go;
+    SoilPoints::Each each;
     const BedSlopes slopes = headings.slopes(stride * (node / across), stride * (node % across));
-    points.at(alone, slopes.along, slopes.across, p_go);
-    for (std::size_t k = 0; k < kept && !p_go.empty(); ++k)
-      blob.value[k * nodes + std::size_t(node)] = stored(p_go[k * skip]);
+    points.at(alone, slopes.along, slopes.across, &each);
+    for (std::size_t k = 0; k < kept && !each.sampled.empty(); ++k)
+      blob.value[k * nodes + std::size_t(node)] = stored(each.sampled[k * skip]);
   }
   if (kept > 0) blobs.push_back(std::move(blob));
   Json rows = Json::array();
@@ -203,8 +237,8 @@ Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, 
 
 /// Appends the tables as blobs whose names end with `index`. P(go) is in steps of 1/65534 (65535: none). The
 /// probability of each no-go reason is in steps of 1/255, speeds are in steps of 0.01 km/h (65535: none).
-void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs) {
-  add_heading_blobs(response, index, blobs);
+void add_soil_blobs(const SoilResponse& response, const MapRules& rules, int index, std::vector<Blob>& blobs) {
+  add_heading_blobs(response, rules, index, blobs);
   const std::size_t count = std::size_t(90 * kSlopeSteps) + 1;
   const std::string end = "_" + std::to_string(index);
   Blob go{"uphill_go" + end, 16, count, {}}, slow{"uphill_slow" + end, 16, count, {}};
@@ -224,8 +258,19 @@ void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& 
   for (Blob* blob : {&go, &slow, &low, &high, &novelty}) blobs.push_back(std::move(*blob));
   if (response.has_speed()) blobs.push_back(std::move(speed));
   add_reasons(
-      "uphill", index, count, count, [&](std::size_t i, std::size_t o) { return response.uphill_outcome(i, o); },
+      "uphill", index, count, count,
+      [&](std::size_t i, std::size_t o) {
+        const auto& weight = response.uphill(i).reason_weight;
+        return weight.empty() ? 0.0 : weight[o];
+      },
       blobs);
+  if (is_bounded(response))
+    add_bounds(
+        "uphill", index, count, count,
+        [&](std::size_t i) {
+          return response.uphill(i).reason_weight.empty() ? std::nullopt : std::optional(response.uphill(i).bounds);
+        },
+        blobs);
 }
 
 double finite_or(double value, double fallback) { return std::isfinite(value) ? value : fallback; }
@@ -463,7 +508,7 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
     Json soil = page_soil(request, table.soils[s], table.responses[s]);
     soil["drive"] = add_passage_table(request.model, table.responses[s], int(s), blobs);
     soils.push_back(soil);
-    add_soil_blobs(table.responses[s], int(s), blobs);
+    add_soil_blobs(table.responses[s], request.rules, int(s), blobs);
   }
   meta["soils"] = soils;
   meta["max_speed"] = kFastestShown;

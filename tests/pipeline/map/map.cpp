@@ -139,10 +139,13 @@ TEST_CASE("nothing outside what was sampled is ever go") {
   MapRequest request = small_request(folder);
   request.model.sampled[contract().variable_index("friction_angle")] = {29, 45};  // the soil has 28
   const MapSummary summary = make_map(request);
-  CHECK(summary.area.cells(Verdict::unknown) == summary.area.total());
-  REQUIRE(summary.remarks.size() == 4);
+  // Weaker than sampled: no-go where the weakest sampled soil is, else unknown.
+  CHECK(summary.area.cells(Verdict::unknown) + summary.area.cells(Verdict::no_go) == summary.area.total());
+  CHECK(summary.area.cells(Verdict::unknown) > 1000);
+  REQUIRE(summary.remarks.size() == 5);
+  CHECK(contains(summary.remarks[1], "the friction angle does not say its test and counts as triaxial compression"));
   CHECK(contains(summary.remarks[0], "friction_angle 28 deg is outside 29 to 45 deg"));
-  CHECK(contains(summary.remarks[2], "friction_angle lies outside what trials sampled, 29 to 45 deg, on "));
+  CHECK(contains(summary.remarks[3], "friction_angle lies outside what trials sampled, 29 to 45 deg, on "));
 }
 
 TEST_CASE("a map has the same bytes for any number of threads and any tile size") {

@@ -132,7 +132,7 @@ TEST_CASE("the interval on P(go) holds what the slope's error makes of it") {
     CHECK(certain.at(slope).p_low == certain.at(slope).p_high);
   }
   CHECK(soil.at(45).p_low == 0);
-  CHECK(soil.at(45).p_high == 1);
+  CHECK(soil.at(45).p_high < 0.05);  // no wall is easier than the steepest slope that was sampled
 }
 
 TEST_CASE("a quadratic measure is found again, unknown variables at their mean, and noise is not fitted") {

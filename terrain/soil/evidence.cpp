@@ -1,0 +1,183 @@
+#include "terrain/soil/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "base/units.h"
+
+namespace gonogo::terrain {
+namespace {
+
+constexpr double kAngleError = 1, kShareError = 0.1, kConeError = 0.25;  // [deg], of one value, of the formula
+constexpr double kAngleStep = 0.25, kMostCohesion = 100;                 // [deg], [kPa]
+constexpr int kCohesions = 120;
+
+/// A point of the grid, with what every test would show.
+struct Candidate {
+  double angle, cohesion;  // triaxial [deg], [kPa]
+  std::size_t packing;
+  double friction, rolling;
+  double log_weight = 0;
+};
+
+/// A number that was given, and how a candidate shows it.
+struct Clue {
+  std::string what;
+  double given, error;
+  std::function<double(const Candidate&)> shown;
+};
+
+double error_of(const SoilValue& value, double alone) {
+  return value.fixed() ? alone : (value.high - value.low) / 2 / std::sqrt(3.0);
+}
+
+double with_table(double error, double of_table) { return std::hypot(error, of_table); }
+
+void add_envelope(const Calibration& c, const SoilTest& t, std::vector<Clue>& clues) {
+  const AngleMeaning meaning = t.meaning;
+  const double of_table = c.contact[c.contact.size() / 2].friction_angle_error;
+  clues.push_back({meaning.text() + ": friction angle [deg]", t.friction_angle->middle(),
+                   with_table(error_of(*t.friction_angle, kAngleError), of_table), [&c, meaning](const Candidate& s) {
+                     return shown_angle(c, s.packing, s.angle, meaning);
+                   }});
+  if (!t.cohesion) return;
+  const double middle = t.cohesion->middle();
+  clues.push_back({meaning.text() + ": cohesion [kPa]", middle,
+                   error_of(*t.cohesion, std::max(0.2, kShareError * middle)), [meaning](const Candidate& s) {
+                     return s.cohesion * (meaning.is_on_plane() ? cohesion_on_plane(s.angle, meaning.dilation) : 1);
+                   }});
+}
+
+void add_others(const SoilState& state, const SoilTest& t, std::vector<Clue>& clues, SoilPosterior& p) {
+  if (t.unconfined_strength) {
+    const double q = t.unconfined_strength->middle();
+    clues.push_back({"unconfined compression: strength [kPa]", q, error_of(*t.unconfined_strength, kShareError * q),
+                     [](const Candidate& s) { return s.cohesion / cohesion_of_unconfined(1, s.angle); }});
+  }
+  if (t.cone_index && is_fine_grained(state.texture)) {
+    const double index = t.cone_index->middle();
+    clues.push_back({"cone: index [kPa]", index,
+                     std::hypot(error_of(*t.cone_index, kShareError * index), kConeError * index),
+                     [](const Candidate& s) { return cone_index(1e3 * s.cohesion, s.angle) / 1e3; }});
+  } else if (t.cone_index) {
+    p.left_out.push_back("cone index: the formula holds for fine-grained soil, and the state names no such texture");
+  }
+  if (t.cone_gradient) p.left_out.push_back("cone gradient: this table holds no test of a cone");
+  if (t.bekker) p.left_out.push_back("plates: rigid grains do not match them (docs/validation.md), gonogo soil show compares");
+}
+
+std::vector<Clue> clues_of(const Calibration& c, const SoilState& state, SoilPosterior& p) {
+  std::vector<Clue> clues;
+  for (const SoilTest& t : state.tests) {
+    if (t.friction_angle) add_envelope(c, t, clues);
+    add_others(state, t, clues, p);
+  }
+  return clues;
+}
+
+/// Every packing and angle of the table, every cohesion.
+std::vector<Candidate> grid_of(const Calibration& c, const SoilState& state) {
+  std::vector<Candidate> grid;
+  for (std::size_t p = 0; p < c.packing.size(); ++p) {
+    const AngleRange range = reachable_angles(c, p);
+    for (double angle = range.lowest; angle <= range.highest; angle += kAngleStep) {
+      const sim::PairLaw law = contact_law(c, {angle, 0}, p);
+      const double density = packing_density(c, angle, p);
+      const double off = std::max({0.0, state.relative_density.low - density, density - state.relative_density.high});
+      for (int k = 0; k <= kCohesions; ++k)
+        grid.push_back({angle, kMostCohesion * std::pow(double(k) / kCohesions, 3), p, double(law.friction),
+                        double(law.rolling_friction), -0.5 * std::pow(off / 0.2, 2) +
+                                                          2 * std::log(std::max(0.5, double(k)) / kCohesions)});
+    }
+  }
+  return grid;
+}
+
+/// Mean and standard deviation of a function of the candidates under their weights.
+Estimated moments(const std::vector<Candidate>& grid, const std::vector<double>& weight,
+                  const std::function<double(const Candidate&)>& of) {
+  double mean = 0, square = 0;
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (weight[i] < 1e-12) continue;
+    const double x = of(grid[i]);
+    mean += weight[i] * x;
+    square += weight[i] * x * x;
+  }
+  return {mean, std::sqrt(std::max(0.0, square - mean * mean))};
+}
+
+std::vector<double> weights_of(std::vector<Candidate>& grid, const std::vector<Clue>& clues) {
+  double most = -1e300;
+  for (Candidate& s : grid) {
+    for (const Clue& clue : clues) s.log_weight -= 0.5 * std::pow((clue.given - clue.shown(s)) / clue.error, 2);
+    most = std::max(most, s.log_weight);
+  }
+  std::vector<double> weight;
+  double sum = 0;
+  for (const Candidate& s : grid) sum += weight.emplace_back(std::exp(s.log_weight - most));
+  for (double& w : weight) w /= sum;
+  return weight;
+}
+
+void find_disagreements(SoilPosterior& p) {
+  constexpr double kMisses = 2, kMissesAlone = 3;
+  const auto text = [](const Evidence& e) {
+    return line("%s is %.4g +- %.2g where the grains that fit best show %.4g", e.what.c_str(), e.given, e.error, e.shown);
+  };
+  for (std::size_t i = 0; i < p.evidence.size(); ++i) {
+    const Evidence& a = p.evidence[i];
+    if (std::abs(a.deviation()) > kMissesAlone) p.disagreements.push_back(text(a));
+    for (std::size_t k = i + 1; k < p.evidence.size(); ++k) {
+      const Evidence& b = p.evidence[k];
+      if (std::min(std::abs(a.deviation()), std::abs(b.deviation())) > kMisses && a.deviation() * b.deviation() < 0)
+        p.disagreements.push_back(text(a) + ", and " + text(b));
+    }
+  }
+}
+
+}  // namespace
+
+SoilPosterior soil_posterior(const Calibration& c, const SoilState& state) {
+  SoilPosterior p;
+  const std::vector<Clue> clues = clues_of(c, state, p);
+  std::vector<Candidate> grid = grid_of(c, state);
+  const std::vector<double> weight = weights_of(grid, clues);
+  p.friction_angle = moments(grid, weight, [](const Candidate& s) { return s.angle; });
+  p.cohesion = moments(grid, weight, [](const Candidate& s) { return s.cohesion; });
+  p.friction = moments(grid, weight, [](const Candidate& s) { return s.friction; });
+  p.rolling_friction = moments(grid, weight, [](const Candidate& s) { return s.rolling; });
+  p.packing.assign(c.packing.size(), 0.0);
+  for (std::size_t i = 0; i < grid.size(); ++i) p.packing[grid[i].packing] += weight[i];
+  for (const Clue& clue : clues) {
+    const Estimated shown = moments(grid, weight, clue.shown);
+    p.evidence.push_back({clue.what, clue.given, clue.error, shown.mean, shown.error});
+  }
+  find_disagreements(p);
+  return p;
+}
+
+MacroscopicSoil at_stress(const MacroscopicSoil& soil, Range tested, double stress) {
+  if (soil.cohesion <= 0 || (stress >= tested.minimum && stress <= tested.maximum)) return soil;
+  const double slope = std::tan(to_radians(soil.friction_angle));
+  const double low = soil.cohesion + slope * tested.minimum, high = soil.cohesion + slope * tested.maximum;
+  const double b = std::log(high / low) / std::log(tested.maximum / tested.minimum);
+  const double shear = low * std::pow(stress / tested.minimum, b);
+  MacroscopicSoil s = soil;
+  s.friction_angle = to_degrees(std::atan(b * shear / stress));
+  s.cohesion = (1 - b) * shear;
+  return s;
+}
+
+double cohesion_of_cone(double index, double friction_angle) {
+  const double alone = cone_index(0, friction_angle);
+  if (index < alone)
+    throw InputError(line("a cone index of %.3g kPa is less than a friction angle of %g deg shows without cohesion, %.3g "
+                          "kPa; give a smaller angle",
+                          index / 1e3, friction_angle, alone / 1e3));
+  return (index - alone) / (cone_index(1, friction_angle) - alone);
+}
+
+}  // namespace gonogo::terrain
