@@ -10,7 +10,8 @@ struct MapRequest {
   std::string model{};             // as Model::read()
   std::filesystem::path region{};  // region file; or, in its place,
   std::filesystem::path dem{};     // an elevation raster in any format of GDAL
-  std::string soil{};  // with `dem`: USDA texture, soil of configs/soils, or raster of textures; empty: any soil
+  std::string soil{};  // with `dem`: USDA texture, class of the USCS, soil of configs/soils, or raster of textures;
+                       // empty: any soil
   std::vector<std::filesystem::path> members{};  // bootstrap members of the model
   std::string study{};                           // rules of its section map; empty: the usual ones
   std::string vehicle{};                         // must be the model's; empty: whichever that is
@@ -20,7 +21,8 @@ struct MapRequest {
   double max_speed_km_h = 0;    // 0: the study's, or none
   std::filesystem::path out{};  // folder of the map
   bool colour_blind_safe = false;
-  int threads = 0;  // 0: all cores; no bit depends on them
+  int threads = 0;           // 0: all cores; no bit depends on them
+  std::string cone_index{};  // with `dem`, of fine-grained soil: "60" [psi], "414kPa", or a raster [psi]
 };
 
 struct MapSummary {

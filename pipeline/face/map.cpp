@@ -17,6 +17,7 @@ map::MapRequest request_of(const MapRequest& r) {
   files.region = r.region;
   files.dem = r.dem;
   files.soil = r.soil;
+  files.cone_index = r.cone_index;
   files.members = r.members;
   if (!r.study.empty()) files.study = shipped_file("studies", "study", r.study);
   if (!r.vehicle.empty()) files.vehicle = shipped_file("vehicles", "vehicle", r.vehicle);

@@ -1,9 +1,12 @@
 #include "pipeline/inspect/soil_library.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
-#include "terrain/soil/soil.h"
+#include "base/units.h"
+#include "terrain/soil/evidence.h"
 
 namespace gonogo::inspect {
 namespace {
@@ -127,6 +130,137 @@ SoilReport show_soil(const fs::path& file, const fs::path& calibration) {
       r.text += fit_text(state.at("grains"));
     }
     r.json["states"].push_back(state);
+  }
+  return r;
+}
+
+namespace {
+
+Json json_of(const terrain::Estimated& e) { return Json::Object{{"mean", e.mean}, {"standard_error", e.error}}; }
+
+Json json_of(const terrain::SoilPosterior& p) {
+  Json j;
+  j["friction_angle_deg"] = json_of(p.friction_angle);
+  j["cohesion_kPa"] = json_of(p.cohesion);
+  j["friction"] = json_of(p.friction);
+  j["rolling_friction"] = json_of(p.rolling_friction);
+  j["packing_probability"] = Json(p.packing);
+  j["evidence"] = Json::array();
+  for (const terrain::Evidence& e : p.evidence)
+    j["evidence"].push_back(Json::Object{{"what", e.what},
+                                         {"given", e.given},
+                                         {"error", e.error},
+                                         {"shown", e.shown},
+                                         {"shown_standard_error", e.spread},
+                                         {"deviation", e.deviation()}});
+  j["disagreements"] = Json(p.disagreements);
+  j["left_out"] = Json(p.left_out);
+  return j;
+}
+
+std::string posterior_text(const terrain::SoilPosterior& p, const terrain::Calibration& c) {
+  std::string text = line(
+      "    together: %.1f +- %.1f deg and %.2f +- %.2f kPa of triaxial compression; sliding friction %.2f +- %.2f, "
+      "rolling %.2f +- %.2f\n",
+      p.friction_angle.mean, p.friction_angle.error, p.cohesion.mean, p.cohesion.error, p.friction.mean,
+      p.friction.error, p.rolling_friction.mean, p.rolling_friction.error);
+  text += "    packing of relative density";
+  for (std::size_t k = 0; k < p.packing.size(); ++k)
+    text += line("%s %.2f: %.0f %%", k ? "," : "", terrain::packing_density(c, p.friction_angle.mean, k),
+                 100 * p.packing[k]);
+  text += "\n";
+  for (const terrain::Evidence& e : p.evidence)
+    text += line("      %-44s given %8.4g +- %-6.2g shown %8.4g +- %-6.2g off by %+.1f errors\n", e.what.c_str(),
+                 e.given, e.error, e.shown, e.spread, e.deviation());
+  for (const std::string& sentence : p.disagreements) text += "    disagrees: " + sentence + "\n";
+  for (const std::string& sentence : p.left_out) text += "    left out: " + sentence + "\n";
+  return text;
+}
+
+/// The state's strength at a stress outside of its test's, with what is assumed.
+std::string at_stress_text(const SoilState& s, double stress, Json& json) {
+  if (stress <= 0 || s.cohesion.middle() <= 0) return "";
+  for (const terrain::SoilTest& t : s.tests) {
+    if (!t.friction_angle) continue;
+    if (!t.normal_stress || !(t.normal_stress->minimum > 0))
+      return line(
+          "    at %.3g kPa: the test does not say its normal stresses, so that its cohesion of %.3g kPa is taken "
+          "as it is; a straight line fitted above that stress has too much of it\n",
+          stress / 1e3, s.cohesion.middle());
+    const Range tested = {1e3 * t.normal_stress->minimum, 1e3 * t.normal_stress->maximum};
+    const terrain::MacroscopicSoil there = terrain::at_stress(s.macroscopic(), tested, stress);
+    json["at_stress"] = Json::Object{{"normal_stress_kPa", stress / 1e3},
+                                     {"friction_angle_deg", there.friction_angle},
+                                     {"cohesion_kPa", there.cohesion / 1e3}};
+    return line(
+        "    at %.3g kPa: %.1f deg and %.2f kPa by %s; a power law through the ends of the tested line, %.3g to "
+        "%.3g kPa, is assumed outside of them\n",
+        stress / 1e3, there.friction_angle, there.cohesion / 1e3, s.meaning.text().c_str(), tested.minimum / 1e3,
+        tested.maximum / 1e3);
+  }
+  return "";
+}
+
+}  // namespace
+
+SoilReport weigh_evidence(const fs::path& file, const fs::path& calibration, double stress) {
+  const SoilFile soil = terrain::read_soil(file);
+  const terrain::Calibration table = terrain::read_calibration(calibration);
+  SoilReport r;
+  r.json["soil"] = soil.name;
+  r.text = soil.name + " by all of its tests:\n";
+  for (const SoilState& s : soil.states) {
+    const terrain::SoilPosterior p = terrain::soil_posterior(table, s);
+    Json state = json_of(p);
+    state["state"] = s.name;
+    r.text += s.name + "\n" + posterior_text(p, table) + at_stress_text(s, stress, state);
+    r.json["states"].push_back(state);
+  }
+  return r;
+}
+
+SoilReport strength_of_cone(double index, double friction_angle) {
+  SoilReport r;
+  r.json["cone_index_kPa"] = index / 1e3;
+  r.json["strengths"] = Json::array();
+  r.text = line(
+      "cone index %.3g kPa (%.3g psi) of fine-grained soil: a cone says one number of strength, and each friction "
+      "angle leaves another cohesion\n",
+      index / 1e3, index / kPsi);
+  for (double angle = friction_angle < 0 ? 0 : friction_angle; angle <= std::max(30.0, friction_angle); angle += 5) {
+    if (friction_angle < 0 && index < terrain::cone_index(0, angle)) break;
+    const double cohesion = terrain::cohesion_of_cone(index, angle);
+    r.json["strengths"].push_back(Json::Object{{"friction_angle_deg", angle}, {"cohesion_kPa", cohesion / 1e3}});
+    r.text += line("  %4.1f deg: %6.2f kPa\n", angle, cohesion / 1e3);
+    if (friction_angle >= 0) break;
+  }
+  r.text +=
+      "by Prandtl's and Skempton's factors with 0.15 m of overburden (docs/soils.md); sand has no such relation here\n";
+  return r;
+}
+
+SoilReport cone_of_soil(const fs::path& file) {
+  const SoilFile soil = terrain::read_soil(file);
+  SoilReport r;
+  r.json["soil"] = soil.name;
+  r.json["states"] = Json::array();
+  for (const SoilState& s : soil.states) {
+    if (!s.texture.empty() && !terrain::is_fine_grained(s.texture)) {
+      r.text += s.name + ": coarse-grained, the formula does not hold\n";
+      continue;
+    }
+    const auto index = [&s](double angle, double cohesion) {
+      terrain::MacroscopicSoil end = s.macroscopic();
+      end.friction_angle = angle;
+      end.cohesion = 1e3 * cohesion;
+      end = terrain::as_triaxial(end);
+      return terrain::cone_index(end.cohesion, end.friction_angle);
+    };
+    const double low = index(s.friction_angle.low, s.cohesion.low),
+                 high = index(s.friction_angle.high, s.cohesion.high);
+    r.json["states"].push_back(Json::Object{{"state", s.name}, {"cone_index_kPa", Json::Array{low / 1e3, high / 1e3}}});
+    r.text += line("%s: %.3g to %.3g kPa (%.3g to %.3g psi)\n", s.name.c_str(), low / 1e3, high / 1e3, low / kPsi,
+                   high / kPsi);
   }
   return r;
 }

@@ -185,9 +185,10 @@ void set_cone_index(Region& region, const std::string& text) {
   const std::string number = text.substr(0, text.size() - (kilopascal || text.ends_with("psi") ? 3 : 0));
   const double index = unit * parsed<double>(number).value_or(-1);
   if (!(index >= 0 && index <= kMaxConeIndex))
-    throw InputError("map: --cone-index \"" + text +
-                     line("\" is neither a raster nor a number; give 0 to %.0f psi, or 0 to %.0fkPa with that unit",
-                          kMaxConeIndex / kPsi, kMaxConeIndex / 1e3));
+    throw InputError(
+        "map: --cone-index \"" + text +
+        line("\" is neither a raster nor a number in range; give 0 to %.0f psi, or 0 to %.0fkPa with that unit",
+             kMaxConeIndex / kPsi, kMaxConeIndex / 1e3));
   region.cone_index_everywhere = index;
 }
 

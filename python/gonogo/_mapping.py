@@ -101,11 +101,11 @@ _VRT = """<VRTDataset rasterXSize="{columns}" rasterYSize="{rows}">
 """
 
 
-def _region_file(elevation: str, soil: Mapping[str, float | tuple[float, float]], name: str, folder: Path) -> str:
-    """A region of one soil: numbers are fixed, pairs are ranges."""
+def _region_file(elevation: str, soil: Mapping[str, Any], name: str, folder: Path) -> str:
+    """A region of one soil: numbers are fixed, pairs are ranges, dicts as in a region file."""
     values: dict[str, Any] = {}
     for variable, value in soil.items():
-        entry = {"range": list(value)} if isinstance(value, tuple) else {"fixed": value}
+        entry = dict(value) if isinstance(value, Mapping) else {"range": list(value)} if isinstance(value, tuple) else {"fixed": value}
         values[variable] = {**entry, "source": "given in Python"}
     region = {"schema": "gonogo/region/1", "region": name, "values": values, "rasters": [
         {"role": "elevation", "file": elevation, "source": "given in Python", "licence": "as its file says"}]}
@@ -151,14 +151,16 @@ def map_files(folder: Path, dem: Any, model: Model | PathLike, soil: Soil | None
 def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None, *, out: PathLike,
         region: PathLike | None = None, crs: Any = None, transform: Any = None, vehicle: PathLike = "",
         whole_vehicle: PathLike = "", dataset: PathLike | None = None, study: PathLike | None = None, moisture: str = "",
-        heading: str | float = "", settings: Mapping[str, float] | None = None, max_speed: float = 0, height_unit: str = "",
+        cone_index: str | float = "", heading: str | float = "", settings: Mapping[str, float] | None = None, max_speed: float = 0, height_unit: str = "",
         flat_is_ground: bool = False, members: Iterable[PathLike] = (), colour_blind_safe: bool = False,
         crossing_model: PathLike = "", threads: int = 0) -> Map:
     """The Go/NoGo map of a region, as `gonogo map` makes it.
 
     dem: elevation [m]: a path, a rasterio dataset, an xarray array with rio, or a numpy array [row, column] with crs and
-    transform. soil: USDA texture, name of a shipped soil, soil file or raster of textures, at a moisture ("dry", "moist",
-    "wet") or any; or variable -> number or (low, high), in the units of the contract; without it the soil may be anything.
+    transform. soil: USDA texture, class of the USCS, name of a shipped soil, soil file or raster of textures, at a moisture
+    ("dry", "moist", "wet") or any; or variable -> number, (low, high), or an entry of a region file such as {"fixed": 31,
+    "test": "direct_shear", "stage": "peak"}; without it the soil may be anything. cone_index: of fine-grained soil [psi],
+    "414kPa", or a raster [psi].
     region: in place of dem, a region file, which names its rasters. study: thresholds and mission values of its section
     "map"; its region, where neither dem nor region is given. out: folder of the map. vehicle: name or file; refused unless
     the model is of it. whole_vehicle: that a quarter vehicle stands for. dataset: trials, for layers of speed, slip and
@@ -172,7 +174,7 @@ def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None,
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     files = map_files(folder, dem, model, soil, region, crs, transform, study=study, settings=settings, vehicle=vehicle,
-                      whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture, heading=str(heading),
+                      whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture, cone_index=str(cone_index), heading=str(heading),
                       max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
                       colour_blind_safe=colour_blind_safe, crossing_model=os.fspath(crossing_model), threads=threads)
     files.set_members([os.fspath(member) for member in members])

@@ -120,6 +120,7 @@ void bind_files(nb::module_& m) {
   c.def_rw("height_unit", &MapFiles::height_unit);
   c.def_rw("flat_is_ground", &MapFiles::flat_is_ground);
   c.def_rw("moisture", &MapFiles::moisture);
+  c.def_rw("cone_index", &MapFiles::cone_index);
   c.def_rw("set", &MapFiles::set);
   c.def_rw("max_speed_km_h", &MapFiles::max_speed_km_h);
   c.def_rw("heading", &MapFiles::heading);

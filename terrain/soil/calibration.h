@@ -110,7 +110,8 @@ struct SoilFit {
 /// cohesion that the table knows only to more than 20 %. The message says how close the table comes.
 SoilFit fit_soil(const Calibration& calibration, const MacroscopicSoil& soil);
 
-/// What grains of this triaxial angle show in a packing, by another test [deg]; by formula where the table has no curve.
+/// What grains of this triaxial angle show in a packing, by another test [deg]; by formula where the table has no
+/// curve.
 double shown_angle(const Calibration& calibration, std::size_t packing, double triaxial, const AngleMeaning& meaning);
 /// Relative density of a packing for grains of this triaxial angle [-].
 double packing_density(const Calibration& calibration, double triaxial, std::size_t packing);

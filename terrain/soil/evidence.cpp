@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kAngleError = 1, kShareError = 0.1, kConeError = 0.25;  // [deg], of one value, of the formula
 constexpr double kAngleStep = 0.25, kMostCohesion = 100;                 // [deg], [kPa]
-constexpr int kCohesions = 120;
+constexpr int kCohesionSteps = 120;
 
 /// A point of the grid, with what every test would show.
 struct Candidate {
@@ -40,9 +40,8 @@ void add_envelope(const Calibration& c, const SoilTest& t, std::vector<Clue>& cl
   const AngleMeaning meaning = t.meaning;
   const double of_table = c.contact[c.contact.size() / 2].friction_angle_error;
   clues.push_back({meaning.text() + ": friction angle [deg]", t.friction_angle->middle(),
-                   with_table(error_of(*t.friction_angle, kAngleError), of_table), [&c, meaning](const Candidate& s) {
-                     return shown_angle(c, s.packing, s.angle, meaning);
-                   }});
+                   with_table(error_of(*t.friction_angle, kAngleError), of_table),
+                   [&c, meaning](const Candidate& s) { return shown_angle(c, s.packing, s.angle, meaning); }});
   if (!t.cohesion) return;
   const double middle = t.cohesion->middle();
   clues.push_back({meaning.text() + ": cohesion [kPa]", middle,
@@ -66,7 +65,8 @@ void add_others(const SoilState& state, const SoilTest& t, std::vector<Clue>& cl
     p.left_out.push_back("cone index: the formula holds for fine-grained soil, and the state names no such texture");
   }
   if (t.cone_gradient) p.left_out.push_back("cone gradient: this table holds no test of a cone");
-  if (t.bekker) p.left_out.push_back("plates: rigid grains do not match them (docs/validation.md), gonogo soil show compares");
+  if (t.bekker)
+    p.left_out.push_back("plates: rigid grains do not match them (docs/validation.md), gonogo soil show compares");
 }
 
 std::vector<Clue> clues_of(const Calibration& c, const SoilState& state, SoilPosterior& p) {
@@ -87,10 +87,10 @@ std::vector<Candidate> grid_of(const Calibration& c, const SoilState& state) {
       const sim::PairLaw law = contact_law(c, {angle, 0}, p);
       const double density = packing_density(c, angle, p);
       const double off = std::max({0.0, state.relative_density.low - density, density - state.relative_density.high});
-      for (int k = 0; k <= kCohesions; ++k)
-        grid.push_back({angle, kMostCohesion * std::pow(double(k) / kCohesions, 3), p, double(law.friction),
-                        double(law.rolling_friction), -0.5 * std::pow(off / 0.2, 2) +
-                                                          2 * std::log(std::max(0.5, double(k)) / kCohesions)});
+      for (int k = 0; k <= kCohesionSteps; ++k)
+        grid.push_back({angle, kMostCohesion * std::pow(double(k) / kCohesionSteps, 3), p, double(law.friction),
+                        double(law.rolling_friction),
+                        -0.5 * std::pow(off / 0.2, 2) + 2 * std::log(std::max(0.5, double(k)) / kCohesionSteps)});
     }
   }
   return grid;
@@ -125,17 +125,20 @@ std::vector<double> weights_of(std::vector<Candidate>& grid, const std::vector<C
 void find_disagreements(SoilPosterior& p) {
   constexpr double kMisses = 2, kMissesAlone = 3;
   const auto text = [](const Evidence& e) {
-    return line("%s is %.4g +- %.2g where the grains that fit best show %.4g", e.what.c_str(), e.given, e.error, e.shown);
+    return line("%s is %.4g +- %.2g where the grains that fit best show %.4g", e.what.c_str(), e.given, e.error,
+                e.shown);
   };
-  for (std::size_t i = 0; i < p.evidence.size(); ++i) {
-    const Evidence& a = p.evidence[i];
-    if (std::abs(a.deviation()) > kMissesAlone) p.disagreements.push_back(text(a));
+  std::vector<char> said(p.evidence.size(), 0);
+  for (std::size_t i = 0; i < p.evidence.size(); ++i)
     for (std::size_t k = i + 1; k < p.evidence.size(); ++k) {
-      const Evidence& b = p.evidence[k];
-      if (std::min(std::abs(a.deviation()), std::abs(b.deviation())) > kMisses && a.deviation() * b.deviation() < 0)
-        p.disagreements.push_back(text(a) + ", and " + text(b));
+      const Evidence &a = p.evidence[i], &b = p.evidence[k];
+      if (std::min(std::abs(a.deviation()), std::abs(b.deviation())) <= kMisses || a.deviation() * b.deviation() > 0)
+        continue;
+      said[i] = said[k] = 1;
+      p.disagreements.push_back(text(a) + ", and " + text(b));
     }
-  }
+  for (std::size_t i = 0; i < p.evidence.size(); ++i)
+    if (!said[i] && std::abs(p.evidence[i].deviation()) > kMissesAlone) p.disagreements.push_back(text(p.evidence[i]));
 }
 
 }  // namespace
@@ -174,9 +177,10 @@ MacroscopicSoil at_stress(const MacroscopicSoil& soil, Range tested, double stre
 double cohesion_of_cone(double index, double friction_angle) {
   const double alone = cone_index(0, friction_angle);
   if (index < alone)
-    throw InputError(line("a cone index of %.3g kPa is less than a friction angle of %g deg shows without cohesion, %.3g "
-                          "kPa; give a smaller angle",
-                          index / 1e3, friction_angle, alone / 1e3));
+    throw InputError(
+        line("a cone index of %.3g kPa is less than a friction angle of %g deg shows without cohesion, %.3g "
+             "kPa; give a smaller angle",
+             index / 1e3, friction_angle, alone / 1e3));
   return (index - alone) / (cone_index(1, friction_angle) - alone);
 }
 

@@ -10,9 +10,9 @@ namespace gonogo::terrain {
 
 /// A number of a test, beside what the posterior's soil shows in that test.
 struct Evidence {
-  std::string what;               // "direct shear, peak: friction angle [deg]"
-  double given = 0, error = 0;    // error: of measurement, table and formula together
-  double shown = 0, spread = 0;   // mean and standard deviation over the posterior
+  std::string what;              // "direct shear, peak: friction angle [deg]"
+  double given = 0, error = 0;   // error: of measurement, table and formula together
+  double shown = 0, spread = 0;  // mean and standard deviation over the posterior
   double deviation() const { return (given - shown) / error; }
 };
 
@@ -22,9 +22,9 @@ struct Estimated {
 };
 
 struct SoilPosterior {
-  Estimated friction_angle, cohesion;     // of triaxial compression, peak [deg], [kPa]
-  Estimated friction, rolling_friction;   // of the contacts [-]
-  std::vector<double> packing;            // probability of each packing of the table
+  Estimated friction_angle, cohesion;    // of triaxial compression, peak [deg], [kPa]
+  Estimated friction, rolling_friction;  // of the contacts [-]
+  std::vector<double> packing;           // probability of each packing of the table
   std::vector<Evidence> evidence;
   std::vector<std::string> disagreements;  // one sentence each
   std::vector<std::string> left_out;       // one sentence each: tests that say nothing here, and why

@@ -1,3 +1,4 @@
+#include <map>
 #include <memory>
 #include <string>
 
@@ -5,6 +6,7 @@
 #include "base/files/shipped.h"
 #include "base/format.h"
 #include "base/parallel/for_each.h"
+#include "base/units.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/trials/numerics_options.h"
 #include "pipeline/campaign/setup/setup.h"
@@ -181,16 +183,47 @@ void add_library(CLI::App& soil, const Globals& globals) {
     const inspect::SoilReport r = inspect::show_soil(inspect::soil_file(*name), *calibration);
     print_result(globals, r.json, r.text);
   });
-  CLI::App* fit = soil.add_subcommand("fit", "Write into a soil's file how close the grains of a table come to it");
+  CLI::App* fit = soil.add_subcommand(
+      "fit", "Weigh all tests of a soil, and write into its file how close the grains of a table come to it");
   const auto file = std::make_shared<std::string>(), with = std::make_shared<std::string>();
+  const auto stress = std::make_shared<double>(0);
+  fit->add_option(
+         "--stress", *stress,
+         "Normal stress at which the strength acts [kPa], such as a wheel's load over its contact; default: as tested")
+      ->check(CLI::Range(0.01, 1e4));
   add_named(*fit, "soil", *file, kSoil, "Soil")->required();
   add_named(*fit, "--calibration", *with, kFile, "Calibration of a grain size")->required();
   add_examples(*fit, {"gonogo soil fit sandy_loam --calibration configs/soils/calibration_32mm.json"});
-  fit->callback([&globals, file, with] {
+  fit->callback([&globals, file, with, stress] {
     const std::filesystem::path path = inspect::soil_file(*file);
     terrain::write_fits(path, std::filesystem::path(*with).filename().string(), terrain::read_calibration(*with));
-    const inspect::SoilReport r = inspect::show_soil(path, *with);
-    print_result(globals, r.json, r.text + "written to " + path.string() + "\n");
+    inspect::SoilReport r = inspect::show_soil(path, *with);
+    const inspect::SoilReport all = inspect::weigh_evidence(path, *with, 1e3 * *stress);
+    r.json["posterior"] = all.json;
+    print_result(globals, r.json, r.text + "\n" + all.text + "written to " + path.string() + "\n");
+  });
+}
+
+void add_cone(CLI::App& soil, const Globals& globals) {
+  CLI::App* from = soil.add_subcommand("from-cone", "Strength of fine-grained soil by its cone index");
+  const auto index = std::make_shared<double>(0), angle = std::make_shared<double>(-1);
+  const auto unit = std::make_shared<double>(kPsi);  // [Pa]
+  from->add_option("index", *index, "Cone index or rating cone index")->required()->check(CLI::Range(0.0, 6000.0));
+  add_choice(*from, "--unit", *unit, std::map<std::string, double>{{"psi", kPsi}, {"kPa", 1e3}}, "Unit of the index");
+  from->add_option("--friction-angle", *angle, "Friction angle of triaxial compression [deg]; default: several")
+      ->check(CLI::Range(0.0, 45.0));
+  add_examples(*from, {"gonogo soil from-cone 60 --friction-angle 15"});
+  from->callback([&globals, index, angle, unit] {
+    const inspect::SoilReport r = inspect::strength_of_cone(*index * *unit, *angle);
+    print_result(globals, r.json, r.text);
+  });
+  CLI::App* to = soil.add_subcommand("to-cone", "Cone index of the fine-grained states of a soil");
+  const auto name = std::make_shared<std::string>();
+  add_named(*to, "soil", *name, kSoil, "Soil")->required();
+  add_examples(*to, {"gonogo soil to-cone lean_clay"});
+  to->callback([&globals, name] {
+    const inspect::SoilReport r = inspect::cone_of_soil(inspect::soil_file(*name));
+    print_result(globals, r.json, r.text);
   });
 }
 
@@ -232,6 +265,7 @@ void add_soil_command(CLI::App& app, const Globals& globals) {
   add_tests(*soil, globals);
   add_calibrate(*soil, globals);
   add_library(*soil, globals);
+  add_cone(*soil, globals);
   add_soil_export(*soil, globals);
 }
 

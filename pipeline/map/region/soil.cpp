@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -297,7 +298,68 @@ fs::path find_soil_file(const std::string& name) {
 
 }  // namespace
 
+namespace {
+
+/// "28" of the key "phi" in "phi=28,c=1.04"; takes it out of `left`.
+std::optional<double> take_number(std::map<std::string, double>& left, const std::string& key) {
+  const auto found = left.find(key);
+  if (found == left.end()) return std::nullopt;
+  const double value = found->second;
+  left.erase(found);
+  return value;
+}
+
+[[noreturn]] void refuse_numbers(const std::string& text, const std::string& what) {
+  throw InputError("\"" + text + "\": " + what +
+                   "; give for example \"direct_shear:phi=31,c=0.5\", \"triaxial:phi=34,c=1\", \"repose:phi=30\" or "
+                   "\"bevameter:n=1.1,k_c=0.99,k_phi=1528,c=1.04,phi=28,K=25\" [deg, kPa, kN/m^(n+1), kN/m^(n+2), mm]");
+}
+
+/// A soil by numbers of one test: "bevameter:n=1.1,k_c=0.99,k_phi=1528,c=1.04,phi=28,K=25". Nothing for other texts.
+std::optional<Soil> soil_of_numbers(const std::string& text) {
+  const auto colon = text.find(':');
+  const std::string test = text.substr(0, colon);
+  const auto& tests = terrain::strength_test_names();
+  const bool bevameter = test == "bevameter";
+  if (colon == std::string::npos || (!bevameter && std::find(tests.begin(), tests.end(), test) == tests.end()))
+    return std::nullopt;
+  std::map<std::string, double> left;
+  std::istringstream entries(text.substr(colon + 1));
+  for (std::string entry; std::getline(entries, entry, ',');) {
+    const auto equals = entry.find('=');
+    const auto value = parsed<double>(entry.substr(equals == std::string::npos ? entry.size() : equals + 1));
+    if (!value) refuse_numbers(text, "\"" + entry + "\" is no number by name");
+    left[entry.substr(0, equals)] = *value;
+  }
+  const auto angle = take_number(left, "phi"), cohesion = take_number(left, "c"),
+             density = take_number(left, "density");
+  SoilSample sample;
+  sample.source = text;
+  const auto set = [&sample, &text](const char* name, double value, double most, const terrain::AngleMeaning& meaning) {
+    if (!(value >= 0 && value <= most)) refuse_numbers(text, line("%s %g is not between 0 and %g", name, value, most));
+    sample.values[name] = {Spread::Kind::fixed, value, value, text, meaning};
+  };
+  const terrain::AngleMeaning meaning{bevameter ? terrain::StrengthTest::ring_shear : terrain::strength_test_of(test)};
+  if (!angle)
+    refuse_numbers(text, "has no friction angle phi, and " + test + " alone tells no strength of a wheel's soil");
+  set("friction_angle", *angle, 60, meaning);
+  if (!cohesion && meaning.test != terrain::StrengthTest::repose) refuse_numbers(text, "has no cohesion c");
+  set("cohesion", cohesion.value_or(0), 100, {});
+  if (density) set("relative_density", *density, 1, {});
+  if (bevameter)
+    for (const char* key : {"n", "k_c", "k_phi", "K"})
+      if (!take_number(left, key)) refuse_numbers(text, std::string("has no ") + key);
+  if (!left.empty()) refuse_numbers(text, "\"" + left.begin()->first + "\" is not known");
+  terrain::as_triaxial(terrain::MacroscopicSoil{*angle, 0, 0, 0, meaning});  // refuses tests without an angle
+  Soil soil{.name = text, .draws = kDraws};
+  soil.samples.push_back(std::move(sample));
+  return soil;
+}
+
+}  // namespace
+
 Soil named_soil(const std::string& text, const std::string& asked) {
+  if (auto soil = soil_of_numbers(text)) return *soil;
   const auto [name, moisture] = split(text, asked);
   if (is_texture(lower(name))) return texture_soil(terrain::read_soil(usda_file()), lower(name), moisture);
   if (is_uscs(name)) return texture_soil(terrain::read_soil(uscs_file()), upper(name), moisture);
@@ -348,6 +410,7 @@ std::vector<Soil> texture_soils(const std::vector<std::string>& class_names, con
 }
 
 std::string soil_hash(const std::string& text) {
+  if (soil_of_numbers(text)) return content_hash(text);
   const std::string name = split(text, "").name;
   if (is_uscs(name)) return file_hash(uscs_file());
   return file_hash(name.empty() || is_texture(lower(name)) ? usda_file() : find_soil_file(name));

@@ -1,5 +1,5 @@
-// What is not known never helps: a soil that fails is no better than unknown once its name, its moisture or its strength
-// is taken away, and the weakest soil fails wherever all do.
+// What is not known never helps: a soil that fails is no better than unknown once its name, its moisture or its
+// strength is taken away, and the weakest soil fails wherever all do.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -94,7 +94,8 @@ TEST_CASE("wet clay is no-go where the weakest sampled soil fails, on a wall ste
   CHECK(response_of(strong, named_soil("clay", "wet")).at(34).result.verdict == Verdict::unknown);
 }
 
-TEST_CASE("a soil that fails is no-go or unknown once its moisture or its name is not given, at any slope and heading") {
+TEST_CASE(
+    "a soil that fails is no-go or unknown once its moisture or its name is not given, at any slope and heading") {
   const OutcomeModel model = narrow_model();
   const SoilResponse any = response_of(model, soil_not_given(""));
   std::map<std::string, SoilResponse> of_moisture;

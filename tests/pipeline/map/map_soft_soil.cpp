@@ -221,6 +221,23 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a cone index of all of the ground decides as a raster of it does") {
+  const TemporaryFolder folder;
+  make_ground(folder);
+  const std::vector<std::pair<double, Verdict>> expected = {
+      {10, Verdict::no_go}, {30, Verdict::unknown}, {60, Verdict::go}};
+  for (const auto& [psi, verdict] : expected) {
+    MapRequest request = request_of(folder, usda_soils("clay loam, wet"));
+    request.region.cone_index_everywhere = psi * kPsi;
+    const MapSummary summary = make_map(request);
+    CHECK(layer(folder, "go").at(5, 5) == int(verdict));
+    CHECK(layer(folder, "go").at(5, kSide - 3) == int(Verdict::go));  // sand
+    CHECK(std::any_of(summary.remarks.begin(), summary.remarks.end(), [](const std::string& remark) {
+      return contains(remark, "sand") && contains(remark, "the measured cone index is not used");
+    }));
+  }
+}
+
 TEST_CASE("cone indices without a vehicle or a unit, and textures that nobody knows, are refused") {
   const TemporaryFolder folder;
   make_ground(folder);
