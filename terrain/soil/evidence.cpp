@@ -122,6 +122,8 @@ std::vector<double> weights_of(std::vector<Candidate>& grid, const std::vector<C
   return weight;
 }
 
+bool is_angle(const Evidence& e) { return e.what.ends_with("[deg]"); }
+
 void find_disagreements(SoilPosterior& p) {
   constexpr double kMisses = 2, kMissesAlone = 3;
   const auto text = [](const Evidence& e) {
@@ -132,6 +134,7 @@ void find_disagreements(SoilPosterior& p) {
   for (std::size_t i = 0; i < p.evidence.size(); ++i)
     for (std::size_t k = i + 1; k < p.evidence.size(); ++k) {
       const Evidence &a = p.evidence[i], &b = p.evidence[k];
+      if (is_angle(a) != is_angle(b)) continue;
       if (std::min(std::abs(a.deviation()), std::abs(b.deviation())) <= kMisses || a.deviation() * b.deviation() > 0)
         continue;
       said[i] = said[k] = 1;

@@ -48,8 +48,8 @@ TEST_CASE("tests of the same grains agree, and together say more than one of the
   heap.meaning.test = StrengthTest::repose;
   heap.friction_angle = fixed(shown(StrengthTest::repose, Stage::peak));
   const SoilTest triaxial = envelope(StrengthTest::triaxial, Stage::peak, angle, 0.5),
-                 box = envelope(StrengthTest::direct_shear, Stage::peak,
-                                shown(StrengthTest::direct_shear, Stage::peak), 0.5 * cohesion_on_plane(angle));
+                 box = envelope(StrengthTest::direct_shear, Stage::peak, shown(StrengthTest::direct_shear, Stage::peak),
+                                0.5 * cohesion_on_plane(angle));
   const SoilPosterior alone = soil_posterior(c, state({triaxial})),
                       all = soil_posterior(c, state({triaxial, box, heap}));
   CHECK(all.friction_angle.mean == Approx(angle).margin(1));
@@ -64,8 +64,9 @@ TEST_CASE("tests of the same grains agree, and together say more than one of the
 
 TEST_CASE("a shear box and a triaxial test that show the same angle contradict each other, by name") {
   // 40 degrees on the plane are far more than 40 in triaxial compression.
-  const SoilPosterior p = soil_posterior(with_give(), state({envelope(StrengthTest::triaxial, Stage::peak, 30, 0),
-                                                             envelope(StrengthTest::direct_shear, Stage::peak, 36, 0)}));
+  const SoilPosterior p =
+      soil_posterior(with_give(), state({envelope(StrengthTest::triaxial, Stage::peak, 30, 0),
+                                         envelope(StrengthTest::direct_shear, Stage::peak, 36, 0)}));
   REQUIRE_FALSE(p.disagreements.empty());
   CHECK(contains(p.disagreements[0], "triaxial, peak: friction angle"));
   CHECK(contains(p.disagreements[0], "direct shear, peak: friction angle"));
