@@ -78,6 +78,10 @@ LogPoints log_points(const PlateResult& plate) {
       points.p.push_back(std::log(s.pressure));
       points.weight.push_back(s.pressure * s.pressure);
     }
+  if (points.z.size() < 3)
+    throw DeviceError("plate test: under " + number_text(plate.curve.back().pressure) +
+                      " Pa the plate broke into the bed by " + number_text(plate.curve.back().sinkage) +
+                      " m, so that too few samples show a power law; let the load grow in smaller steps");
   return points;
 }
 

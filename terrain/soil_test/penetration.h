@@ -48,6 +48,7 @@ Index plate_steps(const PlateSettings& settings);
 struct PowerLaw {
   double k = 0, n = 0, k_error = 0, n_error = 0, r2 = 0;
 };
+/// Throws DeviceError where the plate broke into the bed and fewer than three samples remain, as fit_bekker does.
 PowerLaw fit_power_law(const PlateResult& plate);
 
 /// Bekker's parameters from several plates with a common exponent.

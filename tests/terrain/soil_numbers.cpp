@@ -76,6 +76,14 @@ TEST_CASE("plates pressed into a Bekker soil give its numbers back, from two wid
   CHECK(fit_power_law(plates[0]).k == Approx(k_c / 0.05 + k_phi));
 }
 
+TEST_CASE("a plate that breaks into its bed between two loads has no power law") {
+  PlateResult r;
+  r.width = 0.1;
+  r.curve = {{0, 1e3}, {0.001, 2e3}, {0.002, 4e3}, {0.003, 8e3}, {0.4, 16e3}};
+  CHECK_THROWS_AS(fit_power_law(r), DeviceError);
+  CHECK_THROWS_AS(fit_bekker({r, bekker_plate(0.2, 5e3, 1e6, 0.7)}), DeviceError);
+}
+
 TEST_CASE("a Mohr-Coulomb soil gives its friction angle and cohesion back from triaxial and from shear tests") {
   const TriaxialStrength t =
       triaxial_strength({failed_at(5e3, 31, 2e3), failed_at(10e3, 31, 2e3), failed_at(40e3, 31, 2e3)}, true);
