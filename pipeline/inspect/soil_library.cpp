@@ -180,25 +180,21 @@ std::string posterior_text(const terrain::SoilPosterior& p, const terrain::Calib
 /// The state's strength at a stress outside of its test's, with what is assumed.
 std::string at_stress_text(const SoilState& s, double stress, Json& json) {
   if (stress <= 0 || s.cohesion.middle() <= 0) return "";
-  for (const terrain::SoilTest& t : s.tests) {
-    if (!t.friction_angle) continue;
-    if (!t.normal_stress || !(t.normal_stress->minimum > 0))
-      return line(
-          "    at %.3g kPa: the test does not say its normal stresses, so that its cohesion of %.3g kPa is taken "
-          "as it is; a straight line fitted above that stress has too much of it\n",
-          stress / 1e3, s.cohesion.middle());
-    const Range tested = {1e3 * t.normal_stress->minimum, 1e3 * t.normal_stress->maximum};
-    const terrain::MacroscopicSoil there = terrain::at_stress(s.macroscopic(), tested, stress);
-    json["at_stress"] = Json::Object{{"normal_stress_kPa", stress / 1e3},
-                                     {"friction_angle_deg", there.friction_angle},
-                                     {"cohesion_kPa", there.cohesion / 1e3}};
+  const std::optional<Range> tested = terrain::tested_stresses(s);
+  if (!tested)
     return line(
-        "    at %.3g kPa: %.1f deg and %.2f kPa by %s; a power law through the ends of the tested line, %.3g to "
-        "%.3g kPa, is assumed outside of them\n",
-        stress / 1e3, there.friction_angle, there.cohesion / 1e3, s.meaning.text().c_str(), tested.minimum / 1e3,
-        tested.maximum / 1e3);
-  }
-  return "";
+        "    at %.3g kPa: the test does not say its normal stresses, so that its cohesion of %.3g kPa is taken as it "
+        "is; a straight line fitted above that stress has too much of it\n",
+        stress / 1e3, s.cohesion.middle());
+  const terrain::MacroscopicSoil there = terrain::at_stress(s.macroscopic(), *tested, stress);
+  json["at_stress"] = Json::Object{{"normal_stress_kPa", stress / 1e3},
+                                   {"friction_angle_deg", there.friction_angle},
+                                   {"cohesion_kPa", there.cohesion / 1e3}};
+  return line(
+      "    at %.3g kPa: %.1f deg and %.2f kPa by %s; a power law through the ends of the tested line, %.3g to "
+      "%.3g kPa, is assumed outside of them\n",
+      stress / 1e3, there.friction_angle, there.cohesion / 1e3, s.meaning.text().c_str(), tested->minimum / 1e3,
+      tested->maximum / 1e3);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ from . import _core
 from ._files import PathLike, study_file
 from ._model import Model
 
-Soil = str | Mapping[str, float | tuple[float, float]]
+Soil = str | Mapping[str, float | tuple[float, float] | Mapping[str, Any]]
 
 
 class Raster(NamedTuple):

@@ -177,6 +177,15 @@ MacroscopicSoil at_stress(const MacroscopicSoil& soil, Range tested, double stre
   return s;
 }
 
+std::optional<Range> tested_stresses(const SoilState& state) {
+  for (const SoilTest& t : state.tests) {
+    if (!t.friction_angle) continue;
+    if (!t.normal_stress || !(t.normal_stress->minimum > 0)) return std::nullopt;
+    return Range{1e3 * t.normal_stress->minimum, 1e3 * t.normal_stress->maximum};
+  }
+  return std::nullopt;
+}
+
 double cohesion_of_cone(double index, double friction_angle) {
   const double alone = cone_index(0, friction_angle);
   if (index < alone)

@@ -46,6 +46,9 @@ SoilPosterior soil_posterior(const Calibration& calibration, const SoilState& st
 /// without cohesion, the soil is unchanged. `tested`: normal stresses [Pa], 0 < low < high.
 MacroscopicSoil at_stress(const MacroscopicSoil& soil, Range tested, double stress);
 
+/// Normal stresses of the test that the state's strength is from [Pa]; nothing where it does not say them.
+std::optional<Range> tested_stresses(const SoilState& state);
+
 /// Cohesion of fine-grained soil that shows this cone index at this friction angle: the inverse of cone_index() [Pa].
 /// Throws InputError where friction and overburden alone show more.
 double cohesion_of_cone(double index, double friction_angle);

@@ -68,6 +68,7 @@ Numbers soil_numbers(const WheelsRequest& request, const std::vector<lab::Benchm
 std::vector<lab::Predictor> formulas_of(const lab::Benchmark& b, const Numbers& numbers,
                                         std::vector<std::string>& missing) {
   std::vector<lab::Predictor> formulas;
+  if (const std::string remark = lab::strength_remark(b); !remark.empty()) missing.push_back(remark);
   if (const auto measured = lab::measured_numbers(b))
     formulas.push_back(lab::analytic_predictor(b, *measured, "Bekker-Wong, measured soil", b.soil_file));
   else

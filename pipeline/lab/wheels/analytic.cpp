@@ -85,7 +85,7 @@ std::map<Quantity, double> predict(const Benchmark& b, const BenchmarkPoint& p, 
 std::optional<BekkerCases> measured_numbers(const Benchmark& b) {
   const terrain::SoilState& s = b.soil;
   if (!s.bekker || !s.janosi) return std::nullopt;
-  const terrain::MacroscopicSoil sheared = terrain::on_shear_plane(s.macroscopic());
+  const terrain::MacroscopicSoil sheared = terrain::on_shear_plane(acting_soil(b, s.macroscopic()));
   BekkerCases cases{{BekkerSoil{.n = s.bekker->n.middle(),
                                 .k_c = 1e3 * s.bekker->k_c.middle(),
                                 .k_phi = 1e3 * s.bekker->k_phi.middle(),
@@ -98,10 +98,10 @@ std::optional<BekkerCases> measured_numbers(const Benchmark& b) {
   add_ends(cases, s.bekker->k_phi, [](BekkerSoil& soil, double x) { soil.k_phi = 1e3 * x; });
   const double ratio = s.cohesion.middle() > 0 ? sheared.cohesion / (1e3 * s.cohesion.middle()) : 1;
   add_ends(cases, s.cohesion, [ratio](BekkerSoil& soil, double x) { soil.cohesion = 1e3 * x * ratio; });
-  add_ends(cases, s.friction_angle, [&s](BekkerSoil& soil, double x) {
+  add_ends(cases, s.friction_angle, [&](BekkerSoil& soil, double x) {
     terrain::MacroscopicSoil end = s.macroscopic();
     end.friction_angle = x;
-    soil.friction_angle = to_radians(terrain::on_shear_plane(end).friction_angle);
+    soil.friction_angle = to_radians(terrain::on_shear_plane(acting_soil(b, end)).friction_angle);
   });
   add_ends(cases, *s.janosi, [](BekkerSoil& soil, double x) { soil.shear_modulus = 1e-3 * x; });
   return cases;

@@ -8,6 +8,7 @@
 #include "base/units.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/lab/validate/trials.h"
+#include "terrain/soil/evidence.h"
 #include "vehicle/model/assembly.h"
 #include "vehicle/model/statics.h"
 
@@ -176,6 +177,33 @@ double load_at(const Benchmark& b, const BenchmarkPoint& p) {
   return vehicle::weigh(b.vehicle).total * kGravity * std::cos(slope) / double(vehicle::stations(b.vehicle).size());
 }
 
+double mean_stress(const Benchmark& b) {
+  double load = 0;
+  for (const BenchmarkPoint& p : b.point) load += load_at(b, p) / double(b.point.size());
+  const vehicle::Wheel& wheel = wheel_of(b);
+  return load / (wheel.width * 0.5 * wheel.radius);
+}
+
+terrain::MacroscopicSoil acting_soil(const Benchmark& b, terrain::MacroscopicSoil measured) {
+  const auto tested = terrain::tested_stresses(b.soil);
+  return tested ? terrain::at_stress(measured, *tested, mean_stress(b)) : measured;
+}
+
+std::string strength_remark(const Benchmark& b) {
+  if (b.soil.cohesion.middle() <= 0) return "";
+  const double stress = mean_stress(b) / 1e3;
+  const auto tested = terrain::tested_stresses(b.soil);
+  if (!tested)
+    return line("cohesion is taken as it is at the wheel's %.3g kPa: the soil's test does not say its normal stresses",
+                stress);
+  const terrain::MacroscopicSoil there = acting_soil(b, b.soil.macroscopic());
+  if (there.cohesion == b.soil.macroscopic().cohesion) return "";
+  return line(
+      "a power law through the ends of the tested envelope, %.3g to %.3g kPa, is assumed at the wheel's %.3g kPa: "
+      "%.1f deg and %.2f kPa",
+      tested->minimum / 1e3, tested->maximum / 1e3, stress, there.friction_angle, there.cohesion / 1e3);
+}
+
 double lug_grains(const vehicle::Wheel& wheel, double grain) {
   return wheel.lug_count > 0 ? wheel.lug_height / (0.5 * grain) : 0;
 }
@@ -193,13 +221,14 @@ double sinkage_from_tips(const Benchmark& b, const vehicle::Wheel& w, double sin
 }
 
 std::vector<AssumedCase> cases_of(const Benchmark& b, const terrain::Calibration& calibration, bool band) {
-  std::vector<AssumedCase> cases{{"", b.wheel_friction.value, terrain::as_triaxial(calibration, b.soil.macroscopic())}};
+  std::vector<AssumedCase> cases{
+      {"", b.wheel_friction.value, terrain::as_triaxial(calibration, acting_soil(b, b.soil.macroscopic()))}};
   if (!band) return cases;
   // The measured soil with one of its numbers at an end.
   const auto altered = [&](double terrain::MacroscopicSoil::*member, double x) {
     terrain::MacroscopicSoil soil = b.soil.macroscopic();
     soil.*member = x;
-    return terrain::as_triaxial(calibration, soil);
+    return terrain::as_triaxial(calibration, acting_soil(b, soil));
   };
   const terrain::SoilState& s = b.soil;
   add_ends(cases, "wheel friction", b.wheel_friction.low, b.wheel_friction.high,

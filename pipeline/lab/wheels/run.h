@@ -93,6 +93,14 @@ using WheelDone = std::function<void(std::size_t, const WheelOutcome&)>;
 std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run,
                                      const WheelDone& done = {});
 
+/// Mean normal stress under the wheel [Pa]: the mean load on its width times half its radius, from where a rigid wheel
+/// that is sunk by an eighth of its radius meets the soil to its lowest point.
+double mean_stress(const Benchmark& b);
+/// The benchmark's soil with its strength as it acts at that stress (terrain/soil/evidence.h).
+terrain::MacroscopicSoil acting_soil(const Benchmark& b, terrain::MacroscopicSoil measured);
+/// What is assumed of it, in one sentence; empty where its cohesion was measured at that stress, or is none.
+std::string strength_remark(const Benchmark& b);
+
 /// The load on the wheel at a point [N].
 double load_at(const Benchmark& b, const BenchmarkPoint& p);
 /// Height of the lugs over the grains' radius; 0 without lugs.

@@ -7,6 +7,7 @@
 #include "pipeline/lab/wheels/report.h"
 #include "pipeline/lab/wheels/run.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
 #include "tests/support/refused.h"
 #include "tests/support/temporary_folder.h"
 
@@ -83,6 +84,22 @@ TEST_CASE("a soil that the table does not reach is refused with the reach and th
   run.calibration = fs::path(GONOGO_SOURCE_DIR) / "configs/soils/calibration_32mm.json";
   refused([&] { run_wheels({b}, run); }, "benchmark ding_lugs");
   refused([&] { run_wheels({b}, run); }, "choose one between");
+}
+
+TEST_CASE("a cohesion fitted far above a wheel's stress is small under the wheel, and what is assumed is said") {
+  Benchmark b = read_benchmark("ding_lugs");
+  CHECK(mean_stress(b) == Approx(80 / (0.165 * 0.5 * b.vehicle.wheel.front().radius)).epsilon(0.01));
+  const terrain::MacroscopicSoil measured{.friction_angle = 32, .cohesion = 2000};
+  b.soil.cohesion.low = b.soil.cohesion.high = 2;
+  CHECK(acting_soil(b, measured).cohesion == 2000);
+  CHECK(contains(strength_remark(b), "does not say its normal stresses"));
+  b.soil.tests[0].normal_stress = Range{20, 200};
+  CHECK(acting_soil(b, measured).cohesion < 700);
+  CHECK(acting_soil(b, measured).friction_angle > 32);
+  CHECK(contains(strength_remark(b), "a power law through the ends of the tested envelope, 20 to 200 kPa"));
+  b.soil.tests[0].normal_stress = Range{1, 200};
+  CHECK(acting_soil(b, measured).cohesion == 2000);
+  CHECK(strength_remark(b).empty());
 }
 
 TEST_CASE("lugs finer than half a grain are marked coarse") {
