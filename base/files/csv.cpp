@@ -1,5 +1,7 @@
 #include "base/files/csv.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -9,19 +11,9 @@
 
 namespace gonogo {
 
-std::vector<std::string> CsvLine::cells() const {
-  std::vector<std::string> cells;
-  std::istringstream in(text);
-  for (std::string cell; std::getline(in, cell, ',');) {
-    const std::size_t first = cell.find_first_not_of(" \t"), last = cell.find_last_not_of(" \t");
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-  }
-  return cells;
-}
-
-std::vector<CsvLine> read_csv_lines(const std::filesystem::path& file, const std::string& rows) {
+std::vector<TextLine> read_data_lines(const std::filesystem::path& file, const std::string& rows) {
   std::istringstream in(read_file(file));
-  std::vector<CsvLine> lines;
+  std::vector<TextLine> lines;
   std::string text;
   for (std::size_t number = 1; std::getline(in, text); ++number) {
     if (!text.empty() && text.back() == '\r') text.pop_back();
@@ -30,6 +22,145 @@ std::vector<CsvLine> read_csv_lines(const std::filesystem::path& file, const std
   }
   if (lines.empty()) throw InputError(file.string() + ": holds no " + rows);
   return lines;
+}
+
+namespace {
+
+/// Text without byte order mark, with an end of its last line.
+std::string whole_lines(const std::filesystem::path& file, std::string text) {
+  if (text.rfind("\xff\xfe", 0) == 0 || text.rfind("\xfe\xff", 0) == 0)
+    throw InputError(file.string() + ": is in UTF-16; save it as UTF-8");
+  if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);
+  if (!text.empty() && text.back() != '\n') text += '\n';
+  return text;
+}
+
+std::string without_blanks(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+class CsvReader {
+ public:
+  CsvReader(const std::filesystem::path& file, const std::string& text) : file_(file), text_(text) {}
+
+  std::vector<CsvLine> records() {
+    std::vector<CsvLine> list;
+    skip_to_record();
+    choose_separator();
+    for (skip_to_record(); at_ < text_.size(); skip_to_record()) list.push_back(record());
+    return list;
+  }
+
+ private:
+  static bool is_end(char c) { return c == '\n' || c == '\r'; }
+  /// Past the end of a line of any system.
+  void pass_end() {
+    at_ += text_[at_] == '\r' && text_[at_ + 1] == '\n' ? 2 : 1;
+    ++line_;
+  }
+  /// Past blank lines and remarks.
+  void skip_to_record() {
+    while (at_ < text_.size()) {
+      const std::size_t end = text_.find_first_of("\r\n", at_), first = text_.find_first_not_of(" \t", at_);
+      if (first < end && text_[first] != '#') return;
+      at_ = end;
+      pass_end();
+    }
+  }
+  void choose_separator() {
+    const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
+    const std::string header = text_.substr(at_, end - at_);
+    if (header.size() == 5 && header.rfind("sep=", 0) == 0) {
+      separator_ = header[4];
+      at_ = end;
+      pass_end();
+      return;
+    }
+    std::array<std::size_t, 3> count{};
+    bool quoted = false;
+    for (const char c : header) {
+      if (c == '"') quoted = !quoted;
+      for (std::size_t k = 0; k < count.size(); ++k) count[k] += !quoted && c == kSeparators[k];
+    }
+    separator_ = kSeparators[std::size_t(std::max_element(count.begin(), count.end()) - count.begin())];
+  }
+  CsvLine record() {
+    CsvLine record{.number = line_};
+    for (;;) {
+      record.cell.push_back(cell());
+      if (!is_end(text_[at_])) {
+        ++at_;
+        continue;
+      }
+      pass_end();
+      return record;
+    }
+  }
+  /// The next cell; then at_ is at the separator or the end of the line.
+  std::string cell() {
+    const auto blank = [&](char c) { return (c == ' ' || c == '\t') && c != separator_; };
+    std::size_t first = at_;
+    while (blank(text_[first])) ++first;
+    if (text_[first] != '"') {
+      const std::size_t from = at_;
+      while (text_[at_] != separator_ && !is_end(text_[at_])) ++at_;
+      return without_blanks(text_.substr(from, at_ - from));
+    }
+    const std::size_t begun = line_;
+    std::string value;
+    for (at_ = first + 1;; ++at_) {
+      if (at_ >= text_.size()) refuse_csv_line(file_, begun, "a quote begins and does not end");
+      if (text_[at_] == '"' && text_[at_ + 1] != '"') break;
+      if (text_[at_] == '"') ++at_;
+      line_ += text_[at_] == '\n';
+      value += text_[at_];
+    }
+    for (++at_; blank(text_[at_]);) ++at_;
+    if (text_[at_] != separator_ && !is_end(text_[at_]))
+      refuse_csv_line(file_, line_, "text follows a quote; double the quotes inside of a cell");
+    return value;
+  }
+
+  static constexpr std::array<char, 3> kSeparators = {',', ';', '\t'};
+  const std::filesystem::path& file_;
+  const std::string& text_;
+  std::size_t at_ = 0, line_ = 1;
+  char separator_ = ',';
+};
+
+}  // namespace
+
+std::vector<CsvLine> read_csv_lines(const std::filesystem::path& file, const std::string& rows) {
+  const std::string text = whole_lines(file, read_file(file));
+  std::vector<CsvLine> lines = CsvReader(file, text).records();
+  if (lines.empty()) throw InputError(file.string() + ": holds no " + rows);
+  std::vector<std::string>& header = lines.front().cell;
+  if (header.size() > 1 && header.back().empty()) header.pop_back();
+  for (CsvLine& line : lines)
+    if (line.cell.size() == header.size() + 1 && line.cell.back().empty()) line.cell.pop_back();
+  return lines;
+}
+
+bool is_missing(const std::string& cell) {
+  for (const char* word : {"", "NA", "N/A", "NaN", "nan", "NULL", "null"})
+    if (cell == word) return true;
+  return false;
+}
+
+std::string csv_row(const std::vector<std::string>& cells) {
+  std::string row;
+  for (const std::string& cell : cells) {
+    if (&cell != &cells.front()) row += ',';
+    if (cell.find_first_of(",\"\n") == std::string::npos) {
+      row += cell;
+      continue;
+    }
+    row += '"';
+    for (const char c : cell) row += c == '"' ? std::string("\"\"") : std::string(1, c);
+    row += '"';
+  }
+  return row;
 }
 
 void refuse_csv_line(const std::filesystem::path& file, std::size_t number, const std::string& what) {

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -94,6 +95,15 @@ struct flock whole_file(short type) {
 }
 
 }  // namespace
+
+namespace {
+
+std::atomic<bool> network = false;
+
+}  // namespace
+
+void allow_network() { network = true; }
+bool network_allowed() { return network; }
 
 FileLock::~FileLock() {
   if (fd_ >= 0) ::close(fd_);

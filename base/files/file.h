@@ -49,6 +49,10 @@ std::optional<FileLock> lock_folder_if_free(const std::filesystem::path& folder)
 /// The same; throws InputError when another process holds it.
 FileLock lock_folder(const std::filesystem::path& folder);
 
+/// Lets readers follow what a file names beyond itself: hosts, databases, bytes of other files. Off until called.
+void allow_network();
+bool network_allowed();
+
 /// Content hash for caches and provenance (XXH3-128: fast, collision-free in practice, not cryptographic): 32
 /// hexadecimal digits.
 std::string content_hash(std::string_view content);

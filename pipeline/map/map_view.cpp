@@ -20,6 +20,7 @@
 #include "base/format.h"
 #include "base/json/json.h"
 #include "base/progress.h"
+#include "pipeline/map/write/make_map.h"
 
 namespace gonogo::map {
 
@@ -188,6 +189,7 @@ MapView::MapView(fs::path folder) : folder_(std::move(folder)) {
     throw InputError(folder_.string() + ": holds no map.json, so it is no finished map; make one with gonogo map");
   const Json record = Json::read(folder_ / "map.json");
   for (const auto& [name, hash] : record.at("files").members()) {
+    require_whole_map(folder_, {name});
     files_.insert(name);
     if (fs::path(name).extension() == ".tif")
       layers_.emplace(fs::path(name).stem().string(), terrain::LayerReader(folder_ / name));

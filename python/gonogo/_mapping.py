@@ -4,7 +4,6 @@ import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.sax.saxutils import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,42 +62,73 @@ def read_raster(path: PathLike) -> Raster:
     return Raster(values, tuple(transform), crs)
 
 
+class _Ground(NamedTuple):
+    """Heights as somebody holds them: values may be masked; value = scale stored + offset."""
+
+    values: Any
+    crs: Any
+    transform: Any
+    nodata: float | None = None
+    scale: float = 1
+    offset: float = 0
+    unit: str = ""
+
+
+def _of_rasterio(dem: Any) -> _Ground:
+    return _Ground(dem.read(1, masked=True), dem.crs, dem.transform, None, dem.scales[0], dem.offsets[0],
+                   dem.units[0] or "")
+
+
+def _of_xarray(dem: Any) -> _Ground:
+    """What rioxarray knows of an array: its axes by name, and nodata, scale and offset unless they are applied."""
+    flat = dem.squeeze()
+    if flat.ndim == 2:
+        flat = flat.transpose(dem.rio.y_dim, dem.rio.x_dim)
+    about = dem.attrs
+    return _Ground(flat.values, dem.rio.crs, dem.rio.transform(recalc=True), dem.rio.nodata,
+                   float(about.get("scale_factor", 1)), float(about.get("add_offset", 0)), str(about.get("units", "")))
+
+
+def _heights(ground: _Ground) -> tuple[NDArray[np.float32], tuple[float, ...]]:
+    """Row 0 in the north, columns eastward, NaN where there is no height; and the transform of that."""
+    masked = np.ma.asarray(ground.values)
+    if masked.ndim != 2:
+        raise _core.InputError(f"dem: an array of {masked.ndim} dimensions; [row, column] is needed")
+    missing = np.ma.getmaskarray(masked).copy()
+    if ground.nodata is not None and not np.isnan(ground.nodata):
+        missing |= masked.data == ground.nodata
+    values = masked.data.astype(np.float64) * ground.scale + ground.offset
+    values[missing] = np.nan
+    a, b, c, d, e, f = (float(x) for x in tuple(ground.transform)[:6])
+    if b != 0 or d != 0 or a == 0 or e == 0:
+        raise _core.InputError(f"dem: transform {(a, b, c, d, e, f)}: its rows do not run west to east; straighten it "
+                               "with rasterio.warp.reproject")
+    if e > 0:
+        values, f, e = values[::-1], f + e * values.shape[0], -e
+    if a < 0:
+        values, c, a = values[:, ::-1], c + a * values.shape[1], -a
+    return np.ascontiguousarray(values, dtype=np.float32), (a, b, c, d, e, f)
+
+
 def _elevation_file(dem: Any, crs: Any, transform: Any, folder: Path) -> str:
-    """A path as it is; a rasterio dataset's path; an array, written to the folder."""
+    """A path as it is, and that of a rasterio dataset of a file; other datasets and arrays are written to the folder."""
     if isinstance(dem, (str, os.PathLike)):
         return os.path.abspath(dem)
     if hasattr(dem, "read") and hasattr(dem, "name"):  # rasterio
-        return os.path.abspath(str(dem.name))
-    if hasattr(dem, "rio"):  # xarray with rioxarray
-        crs, transform, dem = dem.rio.crs, dem.rio.transform(), dem.squeeze().values
-    if crs is None or transform is None:
+        if os.path.isfile(dem.name):
+            return os.path.abspath(dem.name)
+        ground = _of_rasterio(dem)
+    elif hasattr(dem, "rio"):  # xarray with rioxarray
+        ground = _of_xarray(dem)
+    else:
+        ground = _Ground(dem, crs, transform)
+    if ground.crs is None or ground.transform is None:
         raise _core.InputError("dem: an array needs crs= and transform=, as rasterio gives them")
-    values = np.ascontiguousarray(dem, dtype="<f4")
-    if values.ndim != 2:
-        raise _core.InputError(f"dem: an array of {values.ndim} dimensions; [row, column] is needed")
-    values.tofile(folder / "elevation.f32")
-    a, b, c, d, e, f = (float(x) for x in tuple(transform)[:6])
-    path = folder / "elevation.vrt"
-    path.write_text(_VRT.format(rows=values.shape[0], columns=values.shape[1], row_bytes=4 * values.shape[1],
-                                crs=escape(crs.to_wkt() if hasattr(crs, "to_wkt") else str(crs)),
-                                transform=", ".join(repr(x) for x in (c, a, b, f, d, e))))
+    values, north_up = _heights(ground)
+    path = folder / "elevation.tif"
+    system = ground.crs.to_wkt() if hasattr(ground.crs, "to_wkt") else str(ground.crs)
+    with_gdal().write_raster(str(path), values, north_up, system, ground.unit)
     return str(path.absolute())
-
-
-# A raster of GDAL over plain numbers.
-_VRT = """<VRTDataset rasterXSize="{columns}" rasterYSize="{rows}">
-  <SRS>{crs}</SRS>
-  <GeoTransform>{transform}</GeoTransform>
-  <VRTRasterBand dataType="Float32" band="1" subClass="VRTRawRasterBand">
-    <SourceFilename relativeToVRT="1">elevation.f32</SourceFilename>
-    <ImageOffset>0</ImageOffset>
-    <PixelOffset>4</PixelOffset>
-    <LineOffset>{row_bytes}</LineOffset>
-    <ByteOrder>LSB</ByteOrder>
-    <NoDataValue>nan</NoDataValue>
-  </VRTRasterBand>
-</VRTDataset>
-"""
 
 
 def _region_file(elevation: str, soil: Mapping[str, Any], name: str, folder: Path) -> str:

@@ -11,6 +11,7 @@
 #include "pipeline/map/route/plan_route.h"
 #include "pipeline/map/write/compare_maps.h"
 #include "python/src/binding.h"
+#include "terrain/raster/layer/geotiff.h"
 #include "terrain/raster/raster_source.h"
 
 namespace nb = nanobind;
@@ -91,6 +92,15 @@ std::tuple<Array<float>, Transform, std::string> read_raster(const std::string& 
           Transform{grid.cell_width, 0, grid.west, 0, -grid.cell_height, grid.north}, grid.crs_wkt};
 }
 
+/// Writes values [row, column] of a north-up raster.
+void write_raster(const std::string& path,
+                  const nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>& values,
+                  const Transform& t, const std::string& crs, const std::string& unit) {
+  terrain::Tile tile(int(values.shape(1)), int(values.shape(0)), 0);
+  std::copy_n(values.data(), tile.value.size(), tile.value.begin());
+  long_call([&] { terrain::write_values(path, tile, {t[2], t[5], t[0], -t[4]}, crs, unit); });
+}
+
 /// A path as Python's str; an empty one leaves a file out.
 template <class Request>
 void file_property(nb::class_<Request>& c, const char* name, std::filesystem::path Request::*file) {
@@ -156,6 +166,8 @@ NB_MODULE(_map, m) {
   m.def("make_map", &python::make_map, "files"_a, "out"_a, "Writes the map's folder. Returns the summary.");
   m.def("plan_route", &python::plan_route, "request"_a, "files"_a, "Writes the files asked for. Returns the routes.");
   m.def("compare_maps", &python::compare_maps, "first"_a, "second"_a, "out"_a, "Returns the comparison.");
+  m.def("write_raster", &python::write_raster, "path"_a, "values"_a, "transform"_a, "crs"_a, "unit"_a,
+        "Writes values [row, column], row 0 in the north, as GeoTIFF.");
   m.def("read_raster", &python::read_raster, "path"_a,
         "Values [row, column], NaN: nodata; affine transform; coordinate system as WKT2.");
 }

@@ -2,13 +2,32 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_http.h>
 #include <cpl_string.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "base/error.h"
+#include "base/files/file.h"
+#include "base/format.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
+namespace {
+
+/// The one file that GDAL's /vsicurl/, /vsis3/ and their like may name.
+constexpr const char* kCurlNames = "CPL_VSIL_CURL_ALLOWED_FILENAME";
+
+/// Answers every request of GDAL in place of the network.
+CPLHTTPResult* refuse_request(const char*, CSLConstList, GDALProgressFunc, void*, CPLHTTPFetchWriteFunc, void*, void*) {
+  auto* answer = static_cast<CPLHTTPResult*>(CPLCalloc(1, sizeof(CPLHTTPResult)));
+  answer->nStatus = 1;
+  answer->pszErrBuf = CPLStrdup("the network is not used; --allow-network permits it");
+  return answer;
+}
+
+}  // namespace
 
 GdalCall::GdalCall() {
   static const bool registered = [] {
@@ -20,9 +39,19 @@ GdalCall::GdalCall() {
   (void)registered;
   CPLPushErrorHandler(CPLQuietErrorHandler);
   CPLErrorReset();
+  is_offline_ = !network_allowed();
+  if (!is_offline_) return;
+  CPLHTTPPushFetchCallback(&refuse_request, nullptr);
+  if (const char* before = CPLGetThreadLocalConfigOption(kCurlNames, nullptr)) curl_names_ = before;
+  CPLSetThreadLocalConfigOption(kCurlNames, "/vsicurl/none");
 }
 
-GdalCall::~GdalCall() { CPLPopErrorHandler(); }
+GdalCall::~GdalCall() {
+  CPLPopErrorHandler();
+  if (!is_offline_) return;
+  CPLHTTPPopFetchCallback();
+  CPLSetThreadLocalConfigOption(kCurlNames, curl_names_ ? curl_names_->c_str() : nullptr);
+}
 
 std::string GdalCall::message() const {
   std::string text = CPLGetLastErrorMsg();
@@ -70,6 +99,57 @@ std::string export_wkt(const OGRSpatialReference& crs) {
   std::string wkt = text ? text : "";
   CPLFree(text);
   return wkt;
+}
+
+double ground_distance(std::array<double, 2> from, std::array<double, 2> to, double semi_major,
+                       double inverse_flattening) {
+  const double f = inverse_flattening > 0 ? 1 / inverse_flattening : 0, e2 = f * (2 - f);
+  const double latitude = (from[1] + to[1]) / 2 * kDegree, sine = std::sin(latitude), w2 = 1 - e2 * sine * sine;
+  const double east = std::remainder(to[0] - from[0], 360.0) * kDegree, north = (to[1] - from[1]) * kDegree;
+  return semi_major * std::hypot(north * (1 - e2) / (w2 * std::sqrt(w2)), east * std::cos(latitude) / std::sqrt(w2));
+}
+
+namespace {
+
+Transformation exact_way(const OGRSpatialReference& from, const OGRSpatialReference& to) {
+  OGRCoordinateTransformationOptions options;
+  options.SetBallparkAllowed(false);
+  return Transformation(OGRCreateCoordinateTransformation(&from, &to, options));
+}
+
+/// Whether a datum has the Earth's centre: by its ellipsoid, GRS 80 or WGS 84, unless PROJ knows that it lies farther
+/// off.
+bool is_geocentric(const OGRSpatialReference& crs) {
+  constexpr double a = 6378137, inverse_f = 298.2572;
+  if (std::abs(crs.GetSemiMajor() - a) > 0.01 || std::abs(crs.GetInvFlattening() - inverse_f) > 1e-3) return false;
+  const OGRSpatialReference degrees = own_degrees(crs);
+  const Transformation way = exact_way(degrees, wgs84());
+  if (!way) return true;
+  double west = 0, south = 0, east = 0, north = 0;
+  crs.GetAreaOfUse(&west, &south, &east, &north, nullptr);
+  const std::array<double, 2> here = {west > east ? 180 : (west + east) / 2, (south + north) / 2};
+  std::array<double, 2> there = here;
+  return way->Transform(1, &there[0], &there[1]) && ground_distance(here, there, a, inverse_f) <= kGeocentricShift;
+}
+
+}  // namespace
+
+std::string check_shift(const OGRSpatialReference& from, const OGRSpatialReference& to, const std::string& name,
+                        double cell) {
+  const GdalCall call;
+  if (from.IsSame(&to) || exact_way(from, to)) return "";
+  const char *here = from.GetName(), *there = to.GetName();
+  const std::string text = name + ": is in \"" + (here ? here : "?") + "\", and how that datum lies to the one of \"" +
+                           (there ? there : "?") + "\" is not known here, so that it may be off by ";
+  if (from.IsLocal() != to.IsLocal())
+    throw InputError(name + ": is in \"" + (here ? here : "?") + "\" and the map in \"" + (there ? there : "?") +
+                     "\", and a local system is not related to the globe; bring both into one system");
+  const bool near = is_geocentric(from) && is_geocentric(to);
+  if (near && kGeocentricShift <= 0.5 * cell) return text + line("up to %g m", kGeocentricShift);
+  throw InputError(text +
+                   (near ? line("up to %g m, more than half of a cell of %.3g m", kGeocentricShift, cell)
+                         : std::string("hundreds of metres")) +
+                   "; install PROJ's grids (projsync) or bring both to one datum");
 }
 
 DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells) {

@@ -38,7 +38,13 @@ struct HeightWish {
   bool flat_is_ground = false;  // large exactly flat areas are ground, neither water nor voids
 };
 
-/// A north-up grid of equal cells in a projected coordinate system. Row 0 is the northernmost.
+/// What the values of a raster can be, in its own unit after scale and offset. Others are no measurements.
+struct ValueRange {
+  double low = 0, high = 0;
+  std::string what;  // "cone index"
+};
+
+/// A north-up grid of equal cells in a projected or local coordinate system. Row 0 is the northernmost.
 struct MapGrid {
   int columns = 0, rows = 0;
   double west = 0, north = 0;              // outer corner of cell (0, 0) [units of the CRS]

@@ -173,29 +173,81 @@ void FlatAreas::finish(int rows, HeightScan& scan) {
   for (auto& runs : scan.flat) std::sort(runs.begin(), runs.end());
 }
 
-constexpr std::array<float, 3> kSuspicious = {-999, -99, 0};
+constexpr double kVoidCode = -9999;
 constexpr std::size_t kMaxCodes = 3;
 constexpr double kCliff = 1.7320508;  // rise over run: 60 degrees
 
+/// The nodata value that a band of floating point declares: other digits of it can be stored.
+class NodataDigits {
+ public:
+  explicit NodataDigits(GDALRasterBand& band) {
+    int has = 0;
+    const double value = band.GetNoDataValue(&has);
+    if (has && std::isfinite(value) && std::abs(value) > kLeast && GDALDataTypeIsFloating(band.GetRasterDataType()))
+      value_ = value;
+  }
+  /// Whether a stored value that counts as data is the declared one but for digits: -3.4028e38 for -3.4e38.
+  bool is_near(float stored) const {
+    return value_ && double(stored) != *value_ &&
+           std::abs(double(stored) / *value_ - 1) < (std::abs(*value_) > kHuge ? 2e-3 : 1e-5);
+  }
+
+ private:
+  static constexpr double kLeast = 900, kHuge = 1e30;
+  std::optional<double> value_;
+};
+
+/// The values that count as voids, and their cells; refused above three kinds.
+class ImpossibleValues {
+ public:
+  void count(float stored, double value) {
+    lowest_ = std::min(lowest_, value);
+    highest_ = std::max(highest_, value);
+    if (cells_.size() <= kMaxCodes || cells_.count(stored)) ++cells_[stored];
+  }
+  bool are_too_many() const { return cells_.size() > kMaxCodes; }
+  std::vector<FoundVoid> list() const {
+    std::vector<FoundVoid> voids;
+    for (const auto& [value, cells] : cells_) voids.push_back({value, cells});
+    return voids;
+  }
+  double lowest() const { return lowest_; }
+  double highest() const { return highest_; }
+
+ private:
+  std::map<float, std::uint64_t> cells_;
+  double lowest_ = std::numeric_limits<double>::infinity(), highest_ = -lowest_;
+};
+
 /// Counts of one suspicious value.
 struct Suspect {
+  float stored = 0;
   std::uint64_t cells = 0, borders = 0, cliffs = 0;
 };
 
 class Voids {
  public:
-  Voids(const HeightScale& scale, int columns) : scale_(scale), columns_(columns) {}
+  Voids(const HeightScale& scale, const NodataDigits& nodata, int columns)
+      : scale_(scale), nodata_(nodata), columns_(columns) {
+    for (const float stored : {-999.f, -99.f, 0.f}) suspect_.push_back({.stored = stored});
+    if (scale.is_plain) return;
+    for (const double stored : {kVoidCode, (kVoidCode - scale.offset) / scale.scale})
+      suspect_.push_back({.stored = float(stored)});
+  }
 
   bool is_impossible(float stored) const {
     const double height = scale_.scale * double(stored) + scale_.offset;
-    if (stored == -9999) return true;
+    if (nodata_.is_near(stored)) return true;
+    if (stored == kVoidCode && scale_.is_plain) return true;
     return scale_.on_earth ? height < -11500 || height > 9000 : std::abs(height) > 30000;
   }
 
   /// Counts impossible values and replaces them by NaN; then suspicious ones and their borders.
   void take(std::vector<float>& row) {
     for (float& v : row) {
-      if (!std::isnan(v) && is_impossible(v)) count_impossible(v), v = kNoData;
+      if (std::isnan(v) || !is_impossible(v)) continue;
+      impossible_.count(v, scale_.scale * double(v) + scale_.offset);
+      v = kNoData;
     }
     for (int c = 0; c < columns_; ++c) {
       const float v = row[std::size_t(c)];
@@ -207,24 +259,17 @@ class Voids {
   }
 
   std::vector<FoundVoid> found(const std::string& name) const {
-    if (impossible_.size() > kMaxCodes) refuse(name);
-    std::vector<FoundVoid> voids;
-    for (const auto& [value, cells] : impossible_) voids.push_back({value, cells});
-    for (std::size_t s = 0; s < kSuspicious.size(); ++s)
-      if (suspect_[s].borders >= 2 && 2 * suspect_[s].cliffs >= suspect_[s].borders)
-        voids.push_back({kSuspicious[s], suspect_[s].cells});
+    if (impossible_.are_too_many()) refuse(name);
+    std::vector<FoundVoid> voids = impossible_.list();
+    for (const Suspect& s : suspect_)
+      if (s.borders >= 2 && 2 * s.cliffs >= s.borders) voids.push_back({s.stored, s.cells});
     return voids;
   }
 
  private:
-  void count_impossible(float v) {
-    lowest_ = std::min(lowest_, scale_.scale * double(v) + scale_.offset);
-    highest_ = std::max(highest_, scale_.scale * double(v) + scale_.offset);
-    if (impossible_.size() <= kMaxCodes || impossible_.count(v)) ++impossible_[v];
-  }
   Suspect* suspect_of(float v) {
-    for (std::size_t s = 0; s < kSuspicious.size(); ++s)
-      if (v == kSuspicious[s]) return &suspect_[s];
+    for (Suspect& s : suspect_)
+      if (v == s.stored) return &s;
     return nullptr;
   }
   void compare(float a, float b, double distance) {
@@ -237,40 +282,42 @@ class Voids {
       }
   }
   [[noreturn]] void refuse(const std::string& name) const {
-    throw InputError(
-        line("%s: heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": "
-             "\"ft\" of the elevation in the region or --height-unit ft, and declare what is no height with "
-             "gdal_edit.py -a_nodata",
-             name.c_str(), lowest_, highest_, scale_.on_earth ? "the Earth" : "a solid body"));
+    throw InputError(line(
+        "%s: heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": "
+        "\"ft\" of the elevation in the region or --height-unit ft, and declare what is no height with "
+        "gdal_edit.py -a_nodata",
+        name.c_str(), impossible_.lowest(), impossible_.highest(), scale_.on_earth ? "the Earth" : "a solid body"));
   }
 
   HeightScale scale_;
+  NodataDigits nodata_;
   int columns_;
-  std::map<float, std::uint64_t> impossible_;
-  std::array<Suspect, kSuspicious.size()> suspect_{};
+  ImpossibleValues impossible_;
+  std::vector<Suspect> suspect_;
   std::vector<float> above_;
-  double lowest_ = std::numeric_limits<double>::infinity(), highest_ = -lowest_;
 };
 
-/// Stored values of one row; NaN: declared as nodata, or not finite.
-void read_row(GDALDataset& dataset, const std::string& name, int row, std::vector<float>& value,
-              std::vector<unsigned char>& valid) {
+/// Stored values of one row; NaN: declared as nodata, or not finite. The declared nodata with other digits is kept:
+/// GDAL's mask takes it for nodata, and its warper for a value.
+void read_row(GDALDataset& dataset, const std::string& name, const NodataDigits& nodata, int left, int row,
+              std::vector<float>& value, std::vector<unsigned char>& valid) {
   const GdalCall call;
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   const int columns = int(value.size());
-  if (band.RasterIO(GF_Read, 0, row, columns, 1, value.data(), columns, 1, GDT_Float32, 0, 0, nullptr) != CE_None ||
-      band.GetMaskBand()->RasterIO(GF_Read, 0, row, columns, 1, valid.data(), columns, 1, GDT_Byte, 0, 0, nullptr) !=
+  if (band.RasterIO(GF_Read, left, row, columns, 1, value.data(), columns, 1, GDT_Float32, 0, 0, nullptr) != CE_None ||
+      band.GetMaskBand()->RasterIO(GF_Read, left, row, columns, 1, valid.data(), columns, 1, GDT_Byte, 0, 0, nullptr) !=
           CE_None)
     throw InputError(name + ": reading its cells failed (" + call.message() +
                      "); the file is damaged or incomplete, fetch it again");
   for (std::size_t c = 0; c < value.size(); ++c)
-    if (!valid[c] || !std::isfinite(value[c])) value[c] = kNoData;
+    if ((!valid[c] && !nodata.is_near(value[c])) || !std::isfinite(value[c])) value[c] = kNoData;
 }
 
 /// Reads all cells once, row by row. Voids are
-///   - -9999, and values outside of -11,500 to 9,000 m on the Earth or +-30,000 m elsewhere, if there are at most
-///   three;
-///   - -999, -99 and 0, if at least half of their borders with other heights are steeper than 60 degrees.
+///   - -9999 where values have neither scale nor offset, the declared nodata with other digits, and heights outside of
+///   -11,500 to 9,000 m on the Earth or +-30,000 m elsewhere, if there are at most three;
+///   - -999, -99 and 0, and with scale or offset -9999, stored or scaled, if at least half of their borders with other
+///   heights are steeper than 60 degrees.
 /// Flat are connected areas of one height with at least 400 cells and 1 ha. Where all heights are whole numbers, plains
 /// have such areas too; there it takes 1 km2 that hardly borders on anything lower. Fringes less than four cells wide
 /// are not counted in. Memory grows with the width of the raster and the flat areas.
@@ -279,11 +326,12 @@ HeightScan scan_heights(GDALDataset& dataset, const std::string& name, const Hei
   const int columns = dataset.GetRasterXSize(), rows = dataset.GetRasterYSize();
   std::vector<float> row(static_cast<std::size_t>(columns));
   std::vector<unsigned char> valid(row.size());
-  Voids voids(scale, columns);
+  const NodataDigits nodata(*dataset.GetRasterBand(1));
+  Voids voids(scale, nodata, columns);
   FlatAreas flats(columns, scale.cell_width * scale.cell_height);
   for (int r = 0; r < rows; ++r) {
     if (r % 256 == 0) stop_if_cancelled();
-    read_row(dataset, name, r, row, valid);
+    read_row(dataset, name, nodata, 0, r, row, valid);
     voids.take(row);
     flats.take(row);
   }
@@ -299,8 +347,10 @@ HeightScale height_scale(GDALDataset& dataset, const GeoTransform& t, const OGRS
                          double offset) {
   constexpr double earth = 6378137, tolerance = 0.01;
   const auto cell = middle_cell_size(dataset, t, crs);
+  GDALRasterBand& band = *dataset.GetRasterBand(1);
   return {.scale = scale,
           .offset = offset,
+          .is_plain = band.GetScale() == 1 && band.GetOffset() == 0,
           .cell_width = cell ? (*cell)[0] : 1,
           .cell_height = cell ? (*cell)[1] : 1,
           .on_earth = std::abs(crs.GetSemiMajor() / earth - 1) < tolerance};
@@ -313,7 +363,7 @@ HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const H
   for (const FoundVoid& found : scan.voids)
     remarks.push_back(
         line("%llu cells of the elevation hold %g, which is no height there; they count as without "
-             "elevation. Declare it with gdal_edit.py -a_nodata %g",
+             "elevation. Declare it with gdal_edit.py -a_nodata %.9g",
              static_cast<unsigned long long>(found.cells), found.value, found.value));
   doubt.voids = std::move(scan.voids);
   if (scan.flat_cells == 0 || wish.flat_is_ground) return doubt;
@@ -324,6 +374,36 @@ HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const H
       double(scan.flat_cells) * scale.cell_width * scale.cell_height * 1e-6));
   doubt.flat = std::make_shared<const CellRuns>(std::move(scan.flat));
   return doubt;
+}
+
+std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& name, Window window,
+                                    const ValueRange& range, std::vector<std::string>& remarks) {
+  GDALRasterBand& band = *dataset.GetRasterBand(1);
+  const double scale = band.GetScale(), offset = band.GetOffset();
+  const NodataDigits nodata(band);
+  std::vector<float> row(static_cast<std::size_t>(window.columns));
+  std::vector<unsigned char> valid(row.size());
+  ImpossibleValues impossible;
+  for (int r = 0; r < window.rows; ++r) {
+    if (r % 256 == 0) stop_if_cancelled();
+    read_row(dataset, name, nodata, window.column, window.row + r, row, valid);
+    for (const float stored : row) {
+      const double value = scale * double(stored) + offset;
+      if (value < range.low || value > range.high || nodata.is_near(stored)) impossible.count(stored, value);
+    }
+  }
+  if (impossible.are_too_many())
+    throw InputError(
+        line("%s: holds values such as %.5g and %.5g, and a %s lies between %g and %g; check its unit and "
+             "scale, and declare what is no value with gdal_edit.py -a_nodata",
+             name.c_str(), impossible.lowest(), impossible.highest(), range.what.c_str(), range.low, range.high));
+  const std::vector<FoundVoid> voids = impossible.list();
+  for (const FoundVoid& found : voids)
+    remarks.push_back(
+        line("%llu cells of %s hold %g, which is no %s; they count as without data. Declare it with "
+             "gdal_edit.py -a_nodata %.9g",
+             static_cast<unsigned long long>(found.cells), name.c_str(), found.value, range.what.c_str(), found.value));
+  return voids;
 }
 
 namespace {
@@ -347,7 +427,7 @@ class OnGridOf : public GDALDataset {
 class WithoutVoids : public GDALRasterBand {
  public:
   WithoutVoids(GDALDataset* owner, GDALRasterBand& source, const std::vector<FoundVoid>& voids) : source_(&source) {
-    for (const FoundVoid& found : voids) void_.push_back(found.value);
+    for (const FoundVoid& found : voids) void_.push_back(float(found.value));
     poDS = owner;
     nBand = 1;
     eDataType = GDT_Float32;

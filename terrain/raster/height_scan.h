@@ -1,4 +1,4 @@
-// Looks through an elevation raster for heights that cannot be: undeclared voids, and large areas that are exactly
+// Looks through a raster for values that cannot be: undeclared voids, and in elevations large areas that are exactly
 // flat; and reads it without them. Only for the .cpp files of terrain/raster.
 #pragma once
 #include <cstdint>
@@ -14,13 +14,14 @@ namespace gonogo::terrain {
 /// What stored values mean.
 struct HeightScale {
   double scale = 1, offset = 0;            // height [m] = scale stored + offset
+  bool is_plain = true;                    // the file names neither scale nor offset
   double cell_width = 1, cell_height = 1;  // on the ground [m]
   bool on_earth = true;
 };
 
-/// A stored value that means "no height" without being declared as such.
+/// A stored value that means "no value" without being declared as such.
 struct FoundVoid {
-  float value = 0;
+  double value = 0;
   std::uint64_t cells = 0;
 };
 
@@ -40,6 +41,12 @@ HeightScale height_scale(GDALDataset& dataset, const GeoTransform& t, const OGRS
 /// Looks at every cell. Adds a remark for each kind of void, and one for the flat areas.
 HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const HeightScale& scale,
                           const HeightWish& wish, std::vector<std::string>& remarks);
+
+/// The stored values in a window of the raster that its range does not allow, or that are the declared nodata but for
+/// their last digits, with a remark for each. Throws InputError when there are more than three kinds, and for a damaged
+/// file.
+std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& name, Window window,
+                                    const ValueRange& range, std::vector<std::string>& remarks);
 
 /// Replaces the dataset by one that reads as Float32 with NaN as nodata, and NaN where the stored value is one of
 /// `voids`. Scale and offset stay.

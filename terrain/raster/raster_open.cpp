@@ -13,23 +13,106 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/units.h"
+#include "terrain/raster/open_file.h"
 
 namespace gonogo::terrain {
 namespace fs = std::filesystem;
 namespace {
 
-DatasetHandle open_dataset(const fs::path& path) {
-  const bool virtual_file = path.string().rfind("/vsi", 0) == 0;
-  std::error_code ec;
-  if (!virtual_file && !fs::exists(path, ec)) throw InputError(path.string() + ": no such file; check the path");
-  GdalCall call;
-  DatasetHandle dataset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-  if (!dataset)
-    throw InputError(path.string() + ": cannot be read as a raster (" + call.message() +
-                     "); give a format that gdalinfo opens, for example GeoTIFF");
-  if (dataset->GetRasterCount() < 1)
-    throw InputError(path.string() + ": holds no raster band; name one raster of it, as gdalinfo lists them");
-  return dataset;
+/// A band of a raster, mirrored so that its first row is the northernmost and its columns run eastward.
+class MirroredBand : public GDALRasterBand {
+ public:
+  MirroredBand(GDALDataset* owner, GDALRasterBand& source, bool rows, bool columns)
+      : source_(&source), rows_(rows), columns_(columns) {
+    poDS = owner;
+    nBand = 1;
+    eDataType = source.GetRasterDataType();
+    nBlockXSize = owner->GetRasterXSize();
+    nBlockYSize = 1;
+  }
+  double GetNoDataValue(int* has) override { return source_->GetNoDataValue(has); }
+  double GetScale(int* has) override { return source_->GetScale(has); }
+  double GetOffset(int* has) override { return source_->GetOffset(has); }
+  const char* GetUnitType() override { return source_->GetUnitType(); }
+  char** GetCategoryNames() override { return source_->GetCategoryNames(); }
+  GDALColorTable* GetColorTable() override { return source_->GetColorTable(); }
+  GDALColorInterp GetColorInterpretation() override { return source_->GetColorInterpretation(); }
+  int GetMaskFlags() override { return mask_ ? GMF_PER_DATASET : source_->GetMaskFlags(); }
+  GDALRasterBand* GetMaskBand() override { return mask_ ? mask_.get() : GDALRasterBand::GetMaskBand(); }
+  void set_mask(std::unique_ptr<MirroredBand> mask) { mask_ = std::move(mask); }
+
+ protected:
+  CPLErr IReadBlock(int, int row, void* data) override {
+    const int size = GDALGetDataTypeSizeBytes(eDataType), from = rows_ ? poDS->GetRasterYSize() - 1 - row : row;
+    auto* first = static_cast<GByte*>(data) + (columns_ ? std::size_t(nBlockXSize - 1) * std::size_t(size) : 0);
+    return source_->RasterIO(GF_Read, 0, from, nBlockXSize, 1, first, nBlockXSize, 1, eDataType,
+                             columns_ ? -size : size, 0, nullptr);
+  }
+
+ private:
+  GDALRasterBand* source_;
+  bool rows_, columns_;
+  std::unique_ptr<MirroredBand> mask_;
+};
+
+/// The bands of another dataset, which must outlive it, on a north-up grid.
+class Mirrored : public GDALDataset {
+ public:
+  Mirrored(GDALDataset& source, const GeoTransform& t) : source_(&source), transform_(t) {
+    nRasterXSize = source.GetRasterXSize();
+    nRasterYSize = source.GetRasterYSize();
+    eAccess = GA_ReadOnly;
+    const bool rows = t.value[5] > 0, columns = t.value[1] < 0;
+    for (int b = 1; b <= source.GetRasterCount(); ++b) {
+      GDALRasterBand& band = *source.GetRasterBand(b);
+      auto mirrored = std::make_unique<MirroredBand>(this, band, rows, columns);
+      if (!(band.GetMaskFlags() & (GMF_NODATA | GMF_ALL_VALID)))
+        mirrored->set_mask(std::make_unique<MirroredBand>(this, *band.GetMaskBand(), rows, columns));
+      SetBand(b, mirrored.release());  // owned by GDALDataset
+    }
+    if (rows) transform_.value[3] += nRasterYSize * t.value[5];
+    if (columns) transform_.value[0] += nRasterXSize * t.value[1];
+    transform_.value[5] = -std::abs(t.value[5]);
+    transform_.value[1] = std::abs(t.value[1]);
+  }
+  CPLErr GetGeoTransform(double* transform) override {
+    std::copy(std::begin(transform_.value), std::end(transform_.value), transform);
+    return CE_None;
+  }
+  const OGRSpatialReference* GetSpatialRef() const override { return source_->GetSpatialRef(); }
+  char** GetFileList() override { return source_->GetFileList(); }
+
+ private:
+  GDALDataset* source_;
+  GeoTransform transform_;
+};
+
+bool is_straight(const GeoTransform& t) {
+  const double turned = 1e-9 * std::hypot(t.value[1], t.value[5]);
+  return std::abs(t.value[2]) <= turned && std::abs(t.value[4]) <= turned;
+}
+
+/// For rasters whose rows run northward, as in NetCDF and GRIB, or whose columns run westward.
+void mirror_to_north_up(OpenRaster& raster) {
+  GeoTransform t;
+  GDALDataset& dataset = *raster.dataset;
+  if (dataset.GetGeoTransform(t.value) != CE_None || !is_straight(t) || t.value[1] == 0 || t.value[5] == 0) return;
+  if (t.value[1] > 0 && t.value[5] < 0) return;
+  auto mirrored = std::make_unique<Mirrored>(dataset, t);
+  raster.sources.push_back(std::move(raster.dataset));
+  raster.dataset.reset(mirrored.release());
+}
+
+OpenRaster open_one(const fs::path& path) {
+  OpenRaster raster;
+  raster.name = path.string();
+  raster.dataset = open_file(path, FileKind::raster);
+  if (raster.dataset->GetRasterCount() < 1)
+    throw InputError(raster.name +
+                     ": holds no raster band, or several rasters; take one of those that gdalinfo lists out with "
+                     "gdal_translate");
+  mirror_to_north_up(raster);
+  return raster;
 }
 
 bool same_place_system(GDALDataset& a, GDALDataset& b) {
@@ -67,13 +150,16 @@ OpenRaster open_raster(const RasterFiles& files) {
   OpenRaster raster;
   raster.name = files.name();
   if (files.file.empty()) throw InputError("a raster without a file; name one");
-  for (const fs::path& file : files.file) raster.sources.push_back(open_dataset(file));
-  if (files.file.size() == 1) {
-    raster.dataset = std::move(raster.sources.front());
-    raster.sources.clear();
-  } else {
-    join_tiles(raster, files);
+  if (files.file.size() == 1) return open_one(files.file.front());
+  std::vector<DatasetHandle> mirrored;
+  for (const fs::path& file : files.file) {
+    OpenRaster tile = open_one(file);
+    raster.sources.push_back(std::move(tile.dataset));
+    for (DatasetHandle& below : tile.sources) mirrored.push_back(std::move(below));
   }
+  join_tiles(raster, files);
+  raster.sources.insert(raster.sources.begin(), std::make_move_iterator(mirrored.begin()),
+                        std::make_move_iterator(mirrored.end()));
   return raster;
 }
 
@@ -81,9 +167,10 @@ const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& 
   const OGRSpatialReference* crs = dataset.GetSpatialRef();
   if (!crs || crs->IsEmpty())
     throw InputError(name +
-                     ": names no coordinate system; find out which one it is in and write it in with: gdal_edit.py "
+                     ": names no coordinate system; find out which one it is in, and write it in with: gdal_translate "
                      "-a_srs EPSG:<code> " +
-                     name);
+                     name + " with_system.tif. A grid that nobody related to the globe takes -a_srs " +
+                     "'LOCAL_CS[\"site\",UNIT[\"metre\",1]]'");
   return *crs;
 }
 
@@ -93,12 +180,11 @@ GeoTransform require_north_up(GDALDataset& dataset, const std::string& name) {
     throw InputError(name +
                      ": does not say where its cells lie (no geotransform); georeference it first, for "
                      "example with gdal_translate -a_ullr");
-  const std::string repair = "; straighten it with: gdalwarp -r bilinear " + name + " north_up.tif";
-  const double turned = 1e-9 * std::hypot(t.value[1], t.value[5]);
-  if (std::abs(t.value[2]) > turned || std::abs(t.value[4]) > turned)
-    throw InputError(name + ": its rows do not run west to east (rotated geotransform)" + repair);
-  if (!(t.value[1] > 0) || !(t.value[5] < 0))
-    throw InputError(name + ": its first row is not the northernmost or its columns do not run eastward" + repair);
+  if (!is_straight(t) || !(t.value[1] > 0) || !(t.value[5] < 0))
+    throw InputError(name +
+                     ": its rows do not run west to east (rotated geotransform); straighten it with: gdalwarp -r "
+                     "bilinear " +
+                     name + " north_up.tif");
   return t;
 }
 
@@ -217,14 +303,6 @@ double height_unit(GDALDataset& dataset, const OGRSpatialReference& crs, const s
     throw InputError(name + ": its grid is in " + unit_name(crs.GetLinearUnits()) +
                      ", and nothing says whether its heights are in metres or feet" + remedy);
   return said.value_or(1);
-}
-
-double ground_distance(std::array<double, 2> from, std::array<double, 2> to, double semi_major,
-                       double inverse_flattening) {
-  const double f = inverse_flattening > 0 ? 1 / inverse_flattening : 0, e2 = f * (2 - f);
-  const double latitude = (from[1] + to[1]) / 2 * kDegree, sine = std::sin(latitude), w2 = 1 - e2 * sine * sine;
-  const double east = std::remainder(to[0] - from[0], 360.0) * kDegree, north = (to[1] - from[1]) * kDegree;
-  return semi_major * std::hypot(north * (1 - e2) / (w2 * std::sqrt(w2)), east * std::cos(latitude) / std::sqrt(w2));
 }
 
 namespace {
@@ -364,22 +442,40 @@ void require_near(const OGRSpatialReference& crs, const MapGrid& grid, const std
 
 std::optional<std::array<double, 2>> middle_cell_size(GDALDataset& dataset, const GeoTransform& t,
                                                       const OGRSpatialReference& crs) {
+  if (crs.IsLocal())
+    return std::array<double, 2>{t.value[1] * crs.GetLinearUnits(), -t.value[5] * crs.GetLinearUnits()};
   const OGRSpatialReference degrees = own_degrees(crs);
   const Transformation to_degrees(OGRCreateCoordinateTransformation(&crs, &degrees));
   if (!to_degrees) return std::nullopt;
   return ground_size(crs, *to_degrees, t, dataset.GetRasterXSize() / 2.0 - 0.5, dataset.GetRasterYSize() / 2.0 - 0.5);
 }
 
-std::optional<std::array<double, 4>> extent_on(GDALDataset& dataset, const GeoTransform& t,
-                                               const OGRSpatialReference& from, const OGRSpatialReference& to) {
+namespace {
+
+/// {west, south, east, north} in another coordinate system.
+std::optional<std::array<double, 4>> turned(const std::array<double, 4>& in, const OGRSpatialReference& from,
+                                            const OGRSpatialReference& to) {
+  if (from.IsSame(&to)) return in;
   const Transformation transformation(OGRCreateCoordinateTransformation(&from, &to));
   std::array<double, 4> out;
-  const double east = t.value[0] + t.value[1] * dataset.GetRasterXSize();
-  const double south = t.value[3] + t.value[5] * dataset.GetRasterYSize();
   if (!transformation ||
-      !transformation->TransformBounds(t.value[0], south, east, t.value[3], &out[0], &out[1], &out[2], &out[3], 21))
+      !transformation->TransformBounds(in[0], in[1], in[2], in[3], &out[0], &out[1], &out[2], &out[3], 21))
     return std::nullopt;
   return out;
+}
+
+}  // namespace
+
+std::optional<std::array<double, 4>> extent_on(GDALDataset& dataset, const GeoTransform& t,
+                                               const OGRSpatialReference& from, const OGRSpatialReference& to) {
+  const double east = t.value[0] + t.value[1] * dataset.GetRasterXSize();
+  const double south = t.value[3] + t.value[5] * dataset.GetRasterYSize();
+  return turned({t.value[0], south, east, t.value[3]}, from, to);
+}
+
+std::optional<std::array<double, 4>> extent_on(const MapGrid& grid, const OGRSpatialReference& from,
+                                               const OGRSpatialReference& to) {
+  return turned({grid.west, grid.south(), grid.east(), grid.north}, from, to);
 }
 
 std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialReference& crs, const GeoTransform& t,
@@ -387,9 +483,14 @@ std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialRefere
   GdalCall call;
   GDALDataset& dataset = *raster.dataset;
   const auto refuse = [&](const std::string& why) { return InputError(raster.name + ": " + why); };
+  if (crs.IsLocal()) {
+    if (wish.crs.empty() && wish.cell_size == 0) return std::nullopt;
+    throw refuse("is in a local system, which nobody related to the globe; leave \"grid\" out of the region");
+  }
   if (!crs.IsProjected() && !crs.IsGeographic())
     throw refuse(
-        "is in a coordinate system that is neither a map projection nor longitude and latitude; give it in one");
+        "is in a coordinate system that is neither a map projection, nor longitude and latitude, nor a local one; give "
+        "it in one");
   const OGRSpatialReference degrees = own_degrees(crs);
   const Transformation to_degrees(OGRCreateCoordinateTransformation(&crs, &degrees));
   if (!to_degrees)
@@ -421,19 +522,6 @@ std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialRefere
   const MapGrid grid = grid_over(*extent, target, cell, raster.name);
   if (!wish.crs.empty()) require_near(target, grid, raster.name);
   return grid;
-}
-
-void require_known_shift(const OGRSpatialReference& from, const OGRSpatialReference& to, const std::string& name) {
-  GdalCall call;
-  OGRCoordinateTransformationOptions options;
-  options.SetBallparkAllowed(false);
-  const Transformation exact(OGRCreateCoordinateTransformation(&from, &to, options));
-  if (exact) return;
-  const char *here = from.GetName(), *there = to.GetName();
-  throw InputError(name + ": is in \"" + (here ? here : "?") + "\", and how that datum lies to the one of \"" +
-                   (there ? there : "?") +
-                   "\" is not known here, so that it could be off by hundreds of metres; install PROJ's grids "
-                   "(projsync) or bring both rasters to one datum");
 }
 
 void warp_to(OpenRaster& raster, const MapGrid& grid, const std::string& resampling) {

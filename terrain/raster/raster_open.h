@@ -16,7 +16,8 @@ struct GeoTransform {
   double value[6];  // x = v0 + v1 column + v2 row, y = v3 + v4 column + v5 row
 };
 
-/// A dataset and its sources, which must outlive it. The destructor closes the dataset first.
+/// A dataset and its sources, which must outlive it; later ones may use earlier ones. The destructor closes the dataset
+/// first, then the sources from the last one on.
 struct OpenRaster {
   std::vector<DatasetHandle> sources;
   DatasetHandle dataset;
@@ -24,11 +25,20 @@ struct OpenRaster {
 
   OpenRaster() = default;
   OpenRaster(OpenRaster&&) = default;
-  OpenRaster& operator=(OpenRaster&&) = default;
-  ~OpenRaster() { dataset.reset(); }
+  OpenRaster& operator=(OpenRaster&& other) {
+    sources.swap(other.sources);
+    dataset.swap(other.dataset);
+    name.swap(other.name);
+    return *this;
+  }
+  ~OpenRaster() {
+    dataset.reset();
+    while (!sources.empty()) sources.pop_back();
+  }
 };
 
-/// Opens one file, or a mosaic of tiles; where tiles overlap the later one counts.
+/// Opens one file, or a mosaic of tiles; where tiles overlap the later one counts. Rows that run northward and columns
+/// that run westward are mirrored.
 OpenRaster open_raster(const RasterFiles& files);
 const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& name);
 GeoTransform require_north_up(GDALDataset& dataset, const std::string& name);
@@ -48,16 +58,12 @@ void require_one_value(GDALDataset& dataset, const std::string& name);
 double height_unit(GDALDataset& dataset, const OGRSpatialReference& crs, const std::string& name,
                    const std::string& told, std::vector<std::string>& remarks);
 
-/// Ground distance [m] between two near points {longitude, latitude} [deg] on the ellipsoid with semi-major axis a [m]
-/// and inverse flattening 1/f. Radii of curvature at the middle latitude: M = a (1 - e2) / (1 - e2 sin2)^(3/2)
-/// northward and N cos(lat), N = a / sqrt(1 - e2 sin2), eastward (Snyder, Map Projections, USGS PP 1395, eq. 4-18 to
-/// 4-21).
-double ground_distance(std::array<double, 2> from, std::array<double, 2> to, double semi_major,
-                       double inverse_flattening);
-
 /// Extent {west, south, east, north} of a raster in another coordinate system; empty when it has none there.
 std::optional<std::array<double, 4>> extent_on(GDALDataset& dataset, const GeoTransform& t,
                                                const OGRSpatialReference& from, const OGRSpatialReference& to);
+
+std::optional<std::array<double, 4>> extent_on(const MapGrid& grid, const OGRSpatialReference& from,
+                                               const OGRSpatialReference& to);
 
 /// Ground size of the cell in the middle [m]: {eastward, southward}; nothing when it has no place on the ground.
 std::optional<std::array<double, 2>> middle_cell_size(GDALDataset& dataset, const GeoTransform& t,
@@ -68,9 +74,6 @@ std::optional<std::array<double, 2>> middle_cell_size(GDALDataset& dataset, cons
 /// another part of the globe.
 std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialReference& crs, const GeoTransform& t,
                                 const GridWish& wish);
-
-/// Throws InputError when PROJ knows only a ballpark transformation, off by up to some hundred metres.
-void require_known_shift(const OGRSpatialReference& from, const OGRSpatialReference& to, const std::string& name);
 
 /// `resampling`: a name of gdalwarp's -r.
 void warp_to(OpenRaster& raster, const MapGrid& grid, const std::string& resampling);

@@ -86,6 +86,20 @@ Tile read_window(const OpenRaster& raster, const MapGrid& grid, Window window, d
   return tile;
 }
 
+/// The cells of a raster that a grid lies on, and some around them; all of them where that cannot be told.
+Window window_under(GDALDataset& dataset, const GeoTransform& t, const OGRSpatialReference& crs, const MapGrid& grid) {
+  constexpr int margin = 4;
+  const int columns = dataset.GetRasterXSize(), rows = dataset.GetRasterYSize();
+  const auto extent = extent_on(grid, system_of(grid), crs);
+  if (!extent || (*extent)[0] > (*extent)[2]) return {0, 0, columns, rows};
+  const auto place = [](double at, int most) { return int(std::clamp(std::floor(at), 0.0, double(most))); };
+  const int left = place(((*extent)[0] - t.value[0]) / t.value[1] - margin, columns - 1);
+  const int right = place(((*extent)[2] - t.value[0]) / t.value[1] + margin, columns - 1);
+  const int top = place(((*extent)[3] - t.value[3]) / t.value[5] - margin, rows - 1);
+  const int bottom = place(((*extent)[1] - t.value[3]) / t.value[5] + margin, rows - 1);
+  return {left, top, right - left + 1, bottom - top + 1};
+}
+
 std::function<OpenRaster()> warping(const std::function<OpenRaster()>& open, const MapGrid& grid,
                                     const std::string& resampling) {
   return [open, grid, resampling] {
@@ -152,7 +166,8 @@ RasterSource RasterSource::open(const RasterFiles& files, const GridWish& wish, 
   if (doubt.flat) state->open_flat = [files, doubt] { return open_flat_of(files, doubt.flat); };
   if (grid) {
     const OGRSpatialReference target = system_of(*grid);
-    require_known_shift(crs, target, state->raster.name);
+    const std::string shift = check_shift(crs, target, state->raster.name, grid->cell_width_m());
+    if (!shift.empty()) state->remarks.push_back(shift);
     const auto extent = extent_on(dataset, t, crs, target);
     const std::string resampling = resampling_of(RasterKind::continuous, grid->cell_width,
                                                  extent ? side_on(*extent, dataset) : grid->cell_width, true);
@@ -172,7 +187,7 @@ RasterSource RasterSource::open(const RasterFiles& files, const GridWish& wish, 
   return source;
 }
 
-RasterSource RasterSource::open_as_it_lies(const RasterFiles& files) {
+RasterSource RasterSource::open_as_it_lies(const RasterFiles& files, const std::optional<ValueRange>& range) {
   auto state = std::make_unique<State>();
   state->raster = open_raster(files);
   GDALDataset& dataset = *state->raster.dataset;
@@ -181,34 +196,42 @@ RasterSource RasterSource::open_as_it_lies(const RasterFiles& files) {
   state->grid = describe_grid(dataset.GetRasterXSize(), dataset.GetRasterYSize(), crs, t);
   state->scale = dataset.GetRasterBand(1)->GetScale();
   state->offset = dataset.GetRasterBand(1)->GetOffset();
-  state->open = [files] { return open_raster(files); };
+  std::vector<FoundVoid> voids;
+  if (range)
+    voids = doubt_values(dataset, state->raster.name, {0, 0, state->grid.columns, state->grid.rows}, *range,
+                         state->remarks);
+  state->open = [files, voids] { return open_without(files, voids); };
+  if (!voids.empty()) state->raster = state->open();
   return RasterSource(std::move(state));
 }
 
-RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind) {
+RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind,
+                                        const std::optional<ValueRange>& range) {
   const OpenRaster original = open_raster(files);
   GDALDataset& dataset = *original.dataset;
   require_one_value(dataset, original.name);
   const OGRSpatialReference& crs = require_crs(dataset, original.name);
   const GeoTransform t = require_north_up(dataset, original.name);
   const OGRSpatialReference target = system_of(grid);
-  require_known_shift(crs, target, original.name);
+  const double cell = std::sqrt(grid.cell_width * grid.cell_height);
+  const auto own_cell = middle_cell_size(dataset, t, crs);
+  const std::string shift =
+      check_shift(crs, target, original.name,
+                  std::max(cell * grid.metres_per_unit, own_cell ? std::min((*own_cell)[0], (*own_cell)[1]) : 0));
   const double east = grid.east(), south = grid.south();
   const auto extent = extent_on(dataset, t, crs, target);
   if (!extent || (*extent)[0] >= east || (*extent)[2] <= grid.west || (*extent)[1] >= grid.north ||
       (*extent)[3] <= south)
     throw InputError(original.name + ": does not overlap the elevation raster; give a raster of the same region");
-  const std::string resampling =
-      resampling_of(kind, std::sqrt(grid.cell_width * grid.cell_height), side_on(*extent, dataset), false);
+  const std::string resampling = resampling_of(kind, cell, side_on(*extent, dataset), false);
   auto state = std::make_unique<State>();
   state->grid = grid;
   state->scale = dataset.GetRasterBand(1)->GetScale();
   state->offset = dataset.GetRasterBand(1)->GetOffset();
-  state->open = [files, grid, resampling] {
-    OpenRaster raster = open_raster(files);
-    warp_to(raster, grid, resampling);
-    return raster;
-  };
+  if (!shift.empty()) state->remarks.push_back(shift);
+  std::vector<FoundVoid> voids;
+  if (range) voids = doubt_values(dataset, original.name, window_under(dataset, t, crs, grid), *range, state->remarks);
+  state->open = warping([files, voids] { return open_without(files, voids); }, grid, resampling);
   state->raster = state->open();
   return RasterSource(std::move(state));
 }
@@ -238,6 +261,7 @@ std::vector<fs::path> files_behind(const RasterFiles& files) {
     const OpenRaster raster = open_raster(file);
     char** names = raster.dataset->GetFileList();
     std::error_code ignored;
+    if (file.extension() == ".zip") list.push_back(file);
     for (char** name = names; name && *name; ++name)
       if (fs::is_regular_file(*name, ignored)) list.emplace_back(*name);
     CSLDestroy(names);

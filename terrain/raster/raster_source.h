@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ class RasterSource {
   /// with cells of the same size. Resampling is cubic; mean where the map's cells are larger.
   ///
   /// Throws InputError with one sentence: no such file, not a raster, no coordinate system, tiles of different ones, no
-  /// geotransform, rotated or south-up grid, wider than 12 degrees of longitude, nothing but nodata.
+  /// geotransform, rotated grid, wider than 12 degrees of longitude, nothing but nodata.
   static RasterSource open_elevation(const RasterFiles& files, const GridWish& wish = {});
 
   /// As open_elevation(), but looks at every cell first and says what it found. Undeclared voids are left out; large
@@ -32,13 +33,16 @@ class RasterSource {
   /// that is not known or contradicts itself, and heights that no ground has. See terrain/raster/height_scan.h.
   static RasterSource open_heights(const RasterFiles& files, const GridWish& wish, const HeightWish& heights);
 
-  /// Opens any raster as it lies: band 1 with scale and offset, on its own grid, in its own unit. Throws InputError: no
-  /// such file, not a raster, no coordinate system, no geotransform, rotated or south-up grid.
-  static RasterSource open_as_it_lies(const RasterFiles& files);
+  /// Opens any raster as it lies: band 1 with scale and offset, on its own grid, in its own unit. Undeclared voids
+  /// outside of `range` are left out. Throws InputError: no such file, not a raster, no coordinate system, no
+  /// geotransform, rotated grid.
+  static RasterSource open_as_it_lies(const RasterFiles& files, const std::optional<ValueRange>& range = {});
 
-  /// Opens another raster, warped to `grid` while it is read. Throws InputError when it cannot be read, has no
-  /// coordinate system, does not overlap the grid, or when no transformation between the datums is known.
-  static RasterSource open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind);
+  /// Opens another raster, warped to `grid` while it is read. Undeclared voids outside of `range` are left out. Throws
+  /// InputError when it cannot be read, has no coordinate system, does not overlap the grid, or when its datum may lie
+  /// more than half a cell off.
+  static RasterSource open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind,
+                                   const std::optional<ValueRange>& range = {});
 
   RasterSource(RasterSource&&) noexcept;
   RasterSource& operator=(RasterSource&&) noexcept;
@@ -52,7 +56,7 @@ class RasterSource {
   std::string name() const;
   /// One sentence about the warping; empty for rasters that are not warped.
   const std::string& how_warped() const;
-  /// One sentence each, without a full stop: what open_heights() found.
+  /// One sentence each, without a full stop: voids, flat areas and datums that were found.
   const std::vector<std::string>& remarks() const;
 
   /// Values of the window. Nodata, infinities and cells outside the raster are NaN. Throws InputError for a damaged

@@ -1,7 +1,11 @@
 #include "base/parallel/for_each.h"
 
+#include <algorithm>
 #include <numeric>
+#include <vector>
 
+#include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 
@@ -55,4 +59,18 @@ TEST_CASE("a buffer keeps what it held when it grows, and new elements are zero"
   CHECK(b.download() == std::vector<Index>{1, 2, 3, 0, 0});
   b.fill_zero(2);
   CHECK(b.download() == std::vector<Index>{0, 0});
+}
+
+TEST_CASE("a loop of the host calls every index once and carries the first exception out") {
+  for (const int threads : {1, 4}) {
+    std::vector<int> calls(1000, 0);
+    for_each_on_host(
+        calls.size(), 7, [&](std::size_t i) { ++calls[i]; }, threads);
+    CHECK(std::count(calls.begin(), calls.end(), 1) == 1000);
+    const auto failing = [](std::size_t i) {
+      if (i == 500) throw InputError("index 500");
+    };
+    CHECK_THROWS_AS(for_each_on_host(1000, 7, failing, threads), InputError);
+    for_each_on_host(0, 7, failing, threads);
+  }
 }

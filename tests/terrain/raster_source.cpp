@@ -36,10 +36,8 @@ TEST_CASE("an elevation raster that cannot be used is refused with the file and 
 
   make_raster(file, {.epsg = 0});
   CHECK(contains(refusal(file), "names no coordinate system"));
-  CHECK(contains(refusal(file), "gdal_edit.py"));
+  CHECK(contains(refusal(file), "gdal_translate -a_srs"));
 
-  make_raster(file, {.transform = {500000, 10, 0, 4400000, 0, 10}});
-  CHECK(contains(refusal(file), "not the northernmost"));
   make_raster(file, {.transform = {500000, 10, 2, 4400000, 2, -10}});
   CHECK(contains(refusal(file), "rotated geotransform"));
   make_raster(file, {.with_transform = false});

@@ -1,5 +1,5 @@
 // Slope against closed form on planes and against gdaldem (tests/golden/terrain/README.md).
-#include "terrain/raster/slope.h"
+#include "terrain/raster/layer/slope.h"
 
 #include <gdal_utils.h>
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/files/file.h"
 #include "base/format.h"
 #include "base/version.h"
 #include "pipeline/app/cli/table.h"
@@ -25,6 +26,8 @@ void add_globals(CLI::App& program, Globals& globals) {
       ->each([](const std::string& count) {
         if (const int threads = std::stoi(count); threads > 0) omp_set_num_threads(threads);
       });
+  program.add_flag_callback("--allow-network", &allow_network,
+                            "Open also files that name hosts, databases or bytes of other files: VRT, WMS, ...");
 }
 
 void describe(CLI::App& program) {

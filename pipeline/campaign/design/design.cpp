@@ -391,7 +391,7 @@ void complete(const fs::path& file, DesignPoint& point) {
 std::vector<DesignPoint> read_point_csv(const fs::path& file, const std::vector<double>& fixed) {
   const auto lines = read_csv_lines(file, "points");
   std::vector<std::optional<std::size_t>> columns;  // variable of each; nothing: the density
-  for (const std::string& name : lines.front().cells()) {
+  for (const std::string& name : lines.front().cell) {
     if (name == kDensity) {
       columns.emplace_back();
       continue;
@@ -407,7 +407,7 @@ std::vector<DesignPoint> read_point_csv(const fs::path& file, const std::vector<
   std::vector<DesignPoint> points;
   for (std::size_t row = 1; row < lines.size(); ++row) {
     const std::size_t number = lines[row].number;
-    const std::vector<std::string> cells = lines[row].cells();
+    const std::vector<std::string>& cells = lines[row].cell;
     if (cells.size() != columns.size())
       refuse_csv_line(file, number,
                       "has " + std::to_string(cells.size()) + " columns, the header " + std::to_string(columns.size()));
@@ -432,7 +432,7 @@ std::vector<DesignPoint> read_original_points(const fs::path& file, const std::v
                     cohesion = contract().variable_index("cohesion");
   std::vector<DesignPoint> points;
   std::array<double, 2> grains{};
-  for (const auto& [number, text] : read_csv_lines(file, "points")) {
+  for (const auto& [number, text] : read_data_lines(file, "points")) {
     std::istringstream in(text);
     std::array<double, 5> values{};
     std::string cell;

@@ -293,11 +293,11 @@ Quantity quantity_of_column(const std::filesystem::path& file, const std::string
 std::vector<Row> rows_of(const std::filesystem::path& file) {
   std::vector<CsvLine> lines = read_csv_lines(file, "points; write a header and a row for each");
   std::vector<Quantity> header;
-  for (const std::string& column : lines.front().cells()) header.push_back(quantity_of_column(file, column));
+  for (const std::string& column : lines.front().cell) header.push_back(quantity_of_column(file, column));
   lines.erase(lines.begin());
   std::vector<Row> rows;
   for (const CsvLine& line : lines) {
-    const std::vector<std::string> cells = line.cells();
+    const std::vector<std::string>& cells = line.cell;
     if (cells.size() != header.size())
       refuse_csv_line(file, line.number,
                       "has " + std::to_string(cells.size()) + " columns, the header " + std::to_string(header.size()));

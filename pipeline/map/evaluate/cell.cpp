@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "terrain/raster/slope.h"
+#include "terrain/raster/layer/slope.h"
 
 namespace gonogo::map {
 

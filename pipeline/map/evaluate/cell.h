@@ -2,7 +2,7 @@
 //
 // P(go) of a cell comes about in these steps:
 //
-//   1. evaluate_tile() reads the rasters and computes slope and aspect of the cell (terrain/raster/slope.h).
+//   1. evaluate_tile() reads the rasters and computes slope and aspect of the cell (terrain/raster/layer/slope.h).
 //   2. decide() finds what decides. A land rule (water, buildings, an obstacle, a cone index that is too low) comes
 //      first. The cell then has no P(go).
 //   3. Otherwise SoilTable::find() turns soil code and moisture into the SoilResponse of that soil.

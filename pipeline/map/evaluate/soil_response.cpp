@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/progress.h"
+#include "base/parallel/host_loop.h"
 #include "base/units.h"
 
 namespace gonogo::map {
@@ -29,16 +29,15 @@ HeadingTable::HeadingTable(const OutcomeModel& model, const MapRules& rules, con
   across_count_ = std::max(0, last_step(across) - first_across_ + 1);
   outside_ = {{campaign::Verdict::unknown, points.reason_outside()}, {{}, 1, points.soft_share()}, kNoData};
   nodes_.assign(std::size_t(along_count_) * std::size_t(across_count_), outside_);
-#pragma omp parallel for schedule(dynamic, 64)
-  for (int i = 0; i < along_count_ * across_count_; ++i) {
-    if (cancel_requested() || points.sampled_count() + points.bounded_count() == 0) continue;
-    HeadingAnswer& node = nodes_[std::size_t(i)];
-    const int along_step = first_along_ + i / across_count_, across_step = first_across_ + i % across_count_;
-    node.prospect = points.at(model, double(along_step) / kHeadingSteps, double(across_step) / kHeadingSteps);
-    node.result = classify(node.prospect, rules);
-    node.p_go = float(node.prospect.p_go());
-  }
-  stop_if_cancelled();
+  if (points.sampled_count() + points.bounded_count() > 0)
+    for_each_on_host(nodes_.size(), 64, [&](std::size_t i) {
+      HeadingAnswer& node = nodes_[i];
+      const int along_step = first_along_ + int(i) / across_count_,
+                across_step = first_across_ + int(i) % across_count_;
+      node.prospect = points.at(model, double(along_step) / kHeadingSteps, double(across_step) / kHeadingSteps);
+      node.result = classify(node.prospect, rules);
+      node.p_go = float(node.prospect.p_go());
+    });
   steeper_.assign(std::size_t(across_count_), outside_);
   for (int j = 0; j < across_count_ && along_count_ > 0; ++j)
     if (node(along_count_ - 1, j).result.verdict == campaign::Verdict::no_go)
@@ -126,10 +125,7 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
   p_each_.resize(table_.size());
   uphill_.resize(table_.size());
   const int steepest = std::clamp(int(std::floor(sampled_slope_.maximum * kSlopeSteps)), 0, kLastStep);
-#pragma omp parallel for schedule(dynamic, 16)
-  for (int i = 0; i <= steepest; ++i)
-    if (!cancel_requested()) table_[std::size_t(i)] = answer_at(model, rules, i);
-  stop_if_cancelled();
+  for_each_on_host(std::size_t(steepest) + 1, 16, [&](std::size_t i) { table_[i] = answer_at(model, rules, int(i)); });
   CellAnswer steeper;
   steeper.result = classify(points_.at(model, sampled_slope_.maximum, 0), rules);
   if (steeper.result.verdict != campaign::Verdict::no_go)
@@ -137,12 +133,11 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
   steeper.p_go = steeper.p_slow = steeper.speed = steeper.slip = steeper.sinkage = kNoData;
   steeper.outside_share = 1;
   std::fill(table_.begin() + steepest + 1, table_.end(), steeper);
-#pragma omp parallel for schedule(static)
-  for (int i = 0; i <= kLastStep; ++i) {
-    CellAnswer& answer = table_[std::size_t(i)];
-    answer.headings = headings_.over_headings(i / kSlopeSteps);
-    answer.novelty = model.novelty ? float(points_.novelty(model, std::min(i / kSlopeSteps, 89.9), 0)) : kNoData;
-  }
+  for_each_on_host(table_.size(), 64, [&](std::size_t i) {
+    const double slope = double(i) / kSlopeSteps;
+    table_[i].headings = headings_.over_headings(slope);
+    table_[i].novelty = model.novelty ? float(points_.novelty(model, std::min(slope, 89.9), 0)) : kNoData;
+  });
 }
 
 CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& rules, int step) {
@@ -166,10 +161,9 @@ CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& ru
 void SoilResponse::add_interval(double gradient_error, std::size_t models) {
   const int steepest = std::clamp(int(std::floor(sampled_slope_.maximum * kSlopeSteps)), 0, kLastStep);
   const std::size_t points = points_.all().size() * models;
-#pragma omp parallel for schedule(static)
-  for (int i = 0; i <= kLastStep; ++i) {
+  for_each_on_host(table_.size(), 64, [&](std::size_t i) {
     std::vector<double> low, high;
-    const double rise = std::tan(to_radians(i / kSlopeSteps));
+    const double rise = std::tan(to_radians(double(i) / kSlopeSteps));
     for (const double part : kNormalParts) {
       const double slope = to_degrees(std::atan(std::abs(rise + part * gradient_error)));
       const int step = std::clamp(int(std::lround(slope * kSlopeSteps)), 0, kLastStep);
@@ -185,10 +179,9 @@ void SoilResponse::add_interval(double gradient_error, std::size_t models) {
     }
     std::sort(low.begin(), low.end());
     std::sort(high.begin(), high.end());
-    CellAnswer& answer = table_[std::size_t(i)];
-    answer.p_low = float(quantile(low, 0.05));
-    answer.p_high = float(quantile(high, 0.95));
-  }
+    table_[i].p_low = float(quantile(low, 0.05));
+    table_[i].p_high = float(quantile(high, 0.95));
+  });
 }
 
 void SoilResponse::add_measures(const OutcomeModel& model) {
@@ -211,13 +204,12 @@ void SoilResponse::add_speeds(const OutcomeModel& model, const MapRules& rules) 
   const SoilSpeed speed(*model.speed, points_.all(), rules.max_speed);
   const int width = headings_.across_count(), nodes = headings_.along_count() * width;
   heading_speed_.resize(std::size_t(nodes));
-#pragma omp parallel for schedule(static)
-  for (int i = 0; i < nodes; ++i)
-    heading_speed_[std::size_t(i)] = float(speed.at(headings_.slopes(i / width, i % width)));
-#pragma omp parallel for schedule(static)
-  for (int i = 0; i <= kLastStep; ++i)
-    if (CellAnswer& answer = table_[std::size_t(i)]; !std::isnan(answer.p_go))
-      answer.speed = float(speed.at({i / kSlopeSteps, 0}));
+  for_each_on_host(heading_speed_.size(), 64, [&](std::size_t i) {
+    heading_speed_[i] = float(speed.at(headings_.slopes(int(i) / width, int(i) % width)));
+  });
+  for_each_on_host(table_.size(), 64, [&](std::size_t i) {
+    if (!std::isnan(table_[i].p_go)) table_[i].speed = float(speed.at({double(i) / kSlopeSteps, 0}));
+  });
 }
 
 const CellAnswer& SoilResponse::at(double slope_deg) const {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/progress.h"
 #include "pipeline/map/evaluate/cell.h"
 
 namespace gonogo::map {
@@ -164,8 +165,13 @@ SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const
                      ": a cone index tells nothing without a vehicle; name one "
                      "by --vehicle, or by \"cone_index_of\" in the section map of the study");
   if (model.cone_index) table.need = *model.cone_index;
-  for (const int state : states_of(region, rules))
+  const auto states = states_of(region, rules);
+  Progress progress("map", "soils", states.size() * soils.size());
+  std::size_t done = 0;
+  for (const int state : states)
     for (const Soil& soil : soils) {
+      if (done == 0) progress.announce(soil.name);
+      progress.update(done++, soil.name);
       const auto part = state == 0 ? std::optional(soil) : soil_in(soil, region.moistures[std::size_t(state) - 1]);
       if (!part) {
         table.without_samples.push_back(region.moistures[std::size_t(state) - 1].name + " " + soil.name);
@@ -173,6 +179,7 @@ SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const
       }
       add_soil(model, region, rules, error_of_gradient, *part, state, table);
     }
+  progress.update(done);
   if (table.soils.empty())
     throw InputError(region.file.string() + ": soils: no sample of any soil is " + rules.moisture +
                      "; give samples with such a water_percent, or leave the moisture open");

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/error.h"
-#include "terrain/raster/slope.h"
+#include "terrain/raster/layer/slope.h"
 
 namespace gonogo::map {
 
@@ -17,6 +17,8 @@ using terrain::Window;
 namespace {
 
 constexpr int kRowsAtOnce = 256;
+constexpr double kWettest = 2000;               // water content of fibrous peat [% of the dry mass]
+constexpr double kHardest = 1e8;                // cone index of rock; no cone penetrometer shows as much [Pa]
 constexpr std::uint32_t kMostMarks = 1u << 22;  // of a kind: with four kinds a float holds every number exactly
 
 /// The number of a mark's cells. No mark is 0, as ShapeCells asks.
@@ -157,6 +159,14 @@ MapSources MapSources::again() const {
           .ditch_step = ditch_step};
 }
 
+std::vector<std::string> MapSources::remarks() const {
+  std::vector<std::string> list = elevation.remarks();
+  for (const std::optional<RasterSource>* source : {&soil_class, &land_cover, &moisture, &cone_index})
+    if (*source) list.insert(list.end(), (*source)->remarks().begin(), (*source)->remarks().end());
+  if (obstacles) list.insert(list.end(), obstacles->remarks().begin(), obstacles->remarks().end());
+  return list;
+}
+
 MapSources open_sources(const Region& region) {
   MapSources sources{
       .elevation = RasterSource::open_heights(region.elevation.files, region.grid, region.elevation.heights),
@@ -170,14 +180,18 @@ MapSources open_sources(const Region& region) {
     throw InputError(region.elevation.files.file.front().string() + ": makes a map of " + std::to_string(grid.columns) +
                      " x " + std::to_string(grid.rows) +
                      " cells; a slope takes a cell and its eight neighbours, so give at least 3 x 3");
-  const auto open = [&](const std::optional<RegionRaster>& raster, RasterKind kind) {
-    return raster ? std::optional(RasterSource::open_on_grid(raster->files, sources.elevation.grid(), kind))
+  const auto open = [&](const std::optional<RegionRaster>& raster, RasterKind kind,
+                        const std::optional<terrain::ValueRange>& range = {}) {
+    return raster ? std::optional(RasterSource::open_on_grid(raster->files, sources.elevation.grid(), kind, range))
                   : std::nullopt;
   };
   sources.soil_class = open(region.soil_class, RasterKind::classes);
   sources.land_cover = open(region.land_cover, RasterKind::classes);
-  sources.moisture = open(region.moisture, RasterKind::continuous);
-  sources.cone_index = open(region.cone_index, RasterKind::continuous);
+  sources.moisture =
+      open(region.moisture, RasterKind::continuous, terrain::ValueRange{0, kWettest, "water content [%]"});
+  if (region.cone_index)
+    sources.cone_index = open(region.cone_index, RasterKind::continuous,
+                              terrain::ValueRange{0, kHardest / region.cone_index->unit, "cone index"});
   open_obstacles(region, grid, sources);
   return sources;
 }

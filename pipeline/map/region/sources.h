@@ -35,6 +35,8 @@ struct MapSources {
 
   /// Opens the same rasters again, for use by another thread.
   MapSources again() const;
+  /// One sentence each, without a full stop: what was found in the files.
+  std::vector<std::string> remarks() const;
 };
 
 /// Opens the region's rasters on the grid of its elevation. Throws InputError for files that cannot be read and for a

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/progress.h"
+#include "base/parallel/host_loop.h"
 #include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/map/evaluate/soil_response.h"
@@ -227,10 +227,7 @@ PassageForecast forecast_passage(const std::vector<WayPiece>& pieces, const std:
   forecast.stuck.assign(pieces.size(), 0);
   if (pieces.empty()) return forecast;
   std::vector<Ends> ends(static_cast<std::size_t>(doubt.draws));
-#pragma omp parallel for schedule(dynamic, 1)
-  for (int d = 0; d < doubt.draws; ++d)
-    if (!cancel_requested()) ends[std::size_t(d)] = Draw(pieces, soils, model, doubt, std::uint64_t(d)).traverse();
-  stop_if_cancelled();
+  for_each_on_host(ends.size(), 1, [&](std::size_t d) { ends[d] = Draw(pieces, soils, model, doubt, d).traverse(); });
   int through = 0, places = 0;
   for (const Ends& end : ends) {
     const int here = count_places(pieces, end, doubt.bed_length);

@@ -161,7 +161,10 @@ RegionMade make_region(const RegionMakeRequest& request) {
   const GroundWater water = choose_water(request, found, made.remarks);
   const SoilCells cells(found, request.texture_error, water.property);
   const auto elevation = terrain::RasterSource::open_elevation(found.elevation);
-  terrain::RasterSource::open_on_grid(found.layers.front().files, elevation.grid(), terrain::RasterKind::classes);
+  const auto on_elevation =
+      terrain::RasterSource::open_on_grid(found.layers.front().files, elevation.grid(), terrain::RasterKind::classes);
+  for (const std::string& remark : on_elevation.remarks()) made.remarks.push_back(remark);
+  for (const std::string& remark : cells.remarks()) made.remarks.push_back(remark);
   for (const std::string& name : found.left_out)
     made.remarks.push_back(name + " lies deeper than 30 cm and is left out");
   if (std::none_of(found.layers.begin(), found.layers.end(),

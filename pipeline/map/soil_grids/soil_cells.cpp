@@ -140,10 +140,7 @@ void add_table(const fs::path& raster, SoilFolder& found) {
     throw InputError(
         raster.string() + ": is a raster of map units, and " + found.table.string() +
         " is not there; give a table with the columns mukey, sandtotal_r, claytotal_r, ... (docs/regions.md)");
-  const std::string text = read_file(found.table);
-  std::string header = text.substr(0, text.find_first_of("\r\n")) + ",";
-  for (std::size_t at = 0, end; (end = header.find(',', at)) != std::string::npos; at = end + 1) {
-    const std::string column = header.substr(at, end - at);
+  for (const std::string& column : read_csv_lines(found.table, "map units").front().cell) {
     if (auto r = recognise(column); r && !r->is_soil_grids) {
       r->layer.column = column;
       r->layer.files = raster;
@@ -242,8 +239,13 @@ constexpr double kFifthPercentile = 1.645;  // standard deviations to either sid
 /// Largest value of a property that a soil can have [%, g/cm3, volume %]. Quartz has 2.65 g/cm3.
 double largest(SoilProperty p) { return p == SoilProperty::bulk_density ? 2.65 : 100; }
 
+/// Counts of a layer's raster that can be measurements; others are voids.
+terrain::ValueRange possible_counts(const SoilLayer& layer) {
+  return {0, largest(layer.property) / layer.per_count * 1.0001, "value in " + layer.unit};
+}
+
 double number_in(const std::string& cell, const std::string& where) {
-  if (cell.empty()) return kUnknown;
+  if (is_missing(cell)) return kUnknown;
   if (const auto value = parsed<double>(cell)) return *value;
   throw InputError(where + ": \"" + cell + "\" is not a number; leave the cell empty where it is not known");
 }
@@ -251,7 +253,7 @@ double number_in(const std::string& cell, const std::string& where) {
 /// Rows of mukey.csv by map unit, in the order of the layers.
 std::unordered_map<std::int64_t, std::vector<double>> read_table(const SoilFolder& folder) {
   std::vector<CsvLine> lines = read_csv_lines(folder.table, "map units");
-  const std::vector<std::string> header = lines.front().cells();
+  const std::vector<std::string> header = lines.front().cell;
   lines.erase(lines.begin());
   const auto place_of = [&](const std::string& name) {
     const auto at = std::find(header.begin(), header.end(), name);
@@ -263,7 +265,7 @@ std::unordered_map<std::int64_t, std::vector<double>> read_table(const SoilFolde
   std::unordered_map<std::int64_t, std::vector<double>> rows;
   for (const CsvLine& line : lines) {
     const std::string where = folder.table.string() + ": line " + std::to_string(line.number);
-    std::vector<std::string> cells = line.cells();
+    std::vector<std::string> cells = line.cell;
     if (cells.size() > header.size()) throw InputError(where + ": has more cells than the header");
     cells.resize(header.size());
     const double unit = number_in(cells[key], where + ": mukey");
@@ -323,12 +325,21 @@ std::optional<TextureShares> shares_of(const Means& of, double error, SoilFindin
 
 SoilCells::SoilCells(const SoilFolder& folder, double error, std::optional<SoilProperty> water)
     : folder_(folder), error_(error), water_(water) {
-  for (const SoilLayer& layer : folder.layers)
-    sources_.push_back(sources_.empty() ? RasterSource::open_as_it_lies(layer.files)
+  for (const SoilLayer& layer : folder.layers) {
+    const bool holds_values = layer.column.empty();
+    const auto range = holds_values ? std::optional(possible_counts(layer)) : std::nullopt;
+    sources_.push_back(sources_.empty() ? RasterSource::open_as_it_lies(layer.files, range)
                                         : RasterSource::open_on_grid(
                                               layer.files, grid(),
-                                              layer.column.empty() ? RasterKind::continuous : RasterKind::classes));
+                                              holds_values ? RasterKind::continuous : RasterKind::classes, range));
+  }
   if (!folder.table.empty()) row_of_ = read_table(folder);
+}
+
+std::vector<std::string> SoilCells::remarks() const {
+  std::vector<std::string> list;
+  for (const RasterSource& source : sources_) list.insert(list.end(), source.remarks().begin(), source.remarks().end());
+  return list;
 }
 
 double SoilCells::value_at(std::size_t l, float cell) const {

@@ -80,6 +80,8 @@ class SoilCells {
   SoilCells(const SoilFolder& folder, double error, std::optional<SoilProperty> water);
 
   const terrain::MapGrid& grid() const { return sources_.front().grid(); }
+  /// What was found in the rasters, as RasterSource::remarks().
+  std::vector<std::string> remarks() const;
 
   struct Window {
     std::vector<std::optional<TextureShares>> shares;  // none: no data

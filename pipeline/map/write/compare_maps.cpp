@@ -14,6 +14,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/region/region.h"
+#include "pipeline/map/write/make_map.h"
 #include "pipeline/map/write/map_tiles.h"
 #include "pipeline/report/figure/map_figure.h"
 #include "terrain/raster/layer/geotiff.h"
@@ -49,6 +50,7 @@ OneMap open_map(const fs::path& folder, const MapGrid& grid) {
   if (heading_of(folder) != "uphill heading")
     throw InputError(folder.string() + ": is a map for the " + heading_of(folder) +
                      "; the interval on P(go) is for the uphill heading, so compare maps for that heading");
+  require_whole_map(folder, {"go.tif", "p_go.tif", "p_go_low.tif", "p_go_high.tif"});
   const auto open = [&](const char* file) {
     return RasterSource::open_on_grid(folder / file, grid, RasterKind::classes);
   };

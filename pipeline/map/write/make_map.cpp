@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/format.h"
+#include "base/progress.h"
 #include "base/units.h"
 #include "base/version.h"
 #include "pipeline/campaign/study/study.h"
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kRecordName = "map.json";
+constexpr const char* kUnfinished = ".new";  // folder in the map's own where the next map grows
 
 Json spreads_json(const Spreads& spreads) {
   Json json = Json::object();
@@ -312,9 +314,10 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest&
   return remarks;
 }
 
-void remark_on_elevation(const terrain::RasterSource& elevation, std::vector<std::string>& remarks) {
+void remark_on_files(const MapSources& sources, std::vector<std::string>& remarks) {
   constexpr double coarse = 100;  // [m]
-  remarks.insert(remarks.end(), elevation.remarks().begin(), elevation.remarks().end());
+  const terrain::RasterSource& elevation = sources.elevation;
+  for (const std::string& remark : sources.remarks()) remarks.push_back(remark);
   if (!elevation.how_warped().empty()) remarks.push_back(elevation.how_warped());
   const double cell = std::max(elevation.grid().cell_width_m(), elevation.grid().cell_height_m());
   if (cell > coarse)
@@ -337,11 +340,51 @@ void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable&
                 const std::vector<MapLayer>& layers, const MapDigest& digest, MapSummary& summary) {
   const terrain::GlobeAnswer globe = terrain::place_on_globe(grid);
   remark_on_place(globe, summary.remarks);
+  stop_if_cancelled();
   write_file_atomically(request.out / "area.csv", summary.area.csv(grid.cell_area_m2()));
   write_map_figure(request, grid, table, summary, digest.picture, request.out / "map.png");
   write_map_page(request, grid, table, summary, digest.page, metadata, request.out / "index.html");
+  stop_if_cancelled();
   for (const char* name : {"area.csv", "map.png", "index.html"}) summary.files.push_back(request.out / name);
   write_map_exports(request, {grid, layers, digest.speeds, globe.place}, summary);
+}
+
+/// Removes the map that stands in `folder`: its record and page first, so that what is left never looks like a map.
+void remove_map(const fs::path& folder) {
+  std::vector<fs::path> files = {folder / kRecordName, folder / "index.html"};
+  if (fs::exists(files.front())) try {
+      for (const auto& [name, hash] : Json::read(files.front()).at("files").members())
+        if (fs::path(name).filename() == name)
+          for (const fs::path& own :
+               {fs::path(name), fs::path(name + ".aux.xml"), fs::path(name).replace_extension(".qml")})
+            files.push_back(folder / own);
+    } catch (const InputError&) {  // not a record of this program: its files stay
+    }
+  std::error_code ignored;
+  for (const fs::path& file : files) fs::remove(file, ignored);
+}
+
+/// Puts the finished map that grew in `grown` in the place of the one in `folder`, its record last. An interruption
+/// leaves `folder` without a record, and the next run goes on from here.
+void put_in_place(const fs::path& grown, const fs::path& folder) {
+  remove_map(folder);
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(grown))
+    if (entry.is_regular_file() && entry.path().filename().string().front() != '.') files.push_back(entry.path());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return (a.filename() == kRecordName) < (b.filename() == kRecordName);
+  });
+  for (const fs::path& file : files) fs::rename(file, folder / file.filename());
+  fs::remove_all(grown);
+}
+
+/// One run at a time in a map's folder.
+FileLock lock_map(const fs::path& folder) {
+  create_folder(folder);
+  for (;;) {
+    FileLock lock = lock_folder(folder / kUnfinished);
+    if (fs::exists(folder / kUnfinished / ".lock")) return lock;  // another run may have removed what was locked
+  }
 }
 
 /// Removes the scratch files after InputError. After other errors the next run continues from them.
@@ -356,15 +399,11 @@ void evaluate_or_forget(MapTiles& tiles, const MapSources& sources, const SoilTa
 
 }  // namespace
 
-MapSummary make_map(const MapRequest& request) {
-  const MapSources sources = open_sources(request.region);
-  const Json origin = map_inputs(request);
-  if (auto finished = find_finished_map(request, origin)) return *finished;
+namespace {
+
+/// Makes the map in request.out, where nothing else writes.
+MapSummary grow_map(const MapRequest& request, const MapSources& sources, const Json& origin, SoilTable& table) {
   const MapGrid& grid = sources.elevation.grid();
-  require_gravity(request.region, grid.body_radius, request.model.gravity);
-  SoilTable table = make_soil_table(request.model, request.region, request.rules,
-                                    gradient_error(request.region.elevation, grid), sources);
-  create_folder(request.out);
   const Metadata metadata = map_metadata(request, origin);
   MapTiles tiles(request, grid, map_layers(request.rules, request.model, request.colour_blind_safe, metadata),
                  origin.dump());
@@ -375,14 +414,54 @@ MapSummary make_map(const MapRequest& request) {
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
   summary.remarks = remarks_on(summary, request, digest, table);
   if (summary.area.total() > 0) remark_on_ditches(request, sources, digest, table, summary.remarks);
-  remark_on_elevation(sources.elevation, summary.remarks);
+  remark_on_files(sources, summary.remarks);
   summary.tiles_found = tiles.found();
   summary.files = tiles.finish();
   finish_map(request, grid, table, metadata, tiles.layers(), digest, summary);
   write_map_record(request, origin, summary);
-  summary.files.push_back(request.out / "map.json");
+  summary.files.push_back(request.out / kRecordName);
   tiles.forget();
   return summary;
+}
+
+}  // namespace
+
+MapSummary make_map(const MapRequest& request) {
+  const MapSources sources = open_sources(request.region);
+  const Json origin = map_inputs(request);
+  if (auto finished = find_finished_map(request, origin)) return *finished;
+  const MapGrid& grid = sources.elevation.grid();
+  require_gravity(request.region, grid.body_radius, request.model.gravity);
+  const FileLock lock = lock_map(request.out);
+  MapRequest grown = request;
+  grown.out = request.out / kUnfinished;
+  MapSummary summary;
+  if (auto finished = find_finished_map(grown, origin)) {
+    summary = std::move(*finished);
+  } else {
+    try {
+      SoilTable table = make_soil_table(request.model, request.region, request.rules,
+                                        gradient_error(request.region.elevation, grid), sources);
+      summary = grow_map(grown, sources, origin, table);
+    } catch (const InputError&) {
+      fs::remove_all(grown.out);
+      throw;
+    }
+  }
+  stop_if_cancelled();
+  put_in_place(grown.out, request.out);
+  for (fs::path& file : summary.files) file = request.out / file.filename();
+  return summary;
+}
+
+void require_whole_map(const fs::path& folder, const std::vector<std::string>& files) {
+  const Json record = Json::read(folder / kRecordName);
+  for (const std::string& name : files) {
+    const Json* hash = record.at("files").find(name);
+    if (!hash || !fs::exists(folder / name) || file_hash(folder / name) != hash->string())
+      throw InputError((folder / name).string() + ": is not the file that " + (folder / kRecordName).string() +
+                       " was written with; make the map again");
+  }
 }
 
 }  // namespace gonogo::map

@@ -37,9 +37,13 @@ struct MapSummary {
 };
 
 /// Writes the map. Does nothing if the folder holds the map of the same model, region, rasters, rules and program
-/// version, with all files unchanged. Throws InputError for unusable rasters and DeviceError if writing fails. In both
-/// cases earlier files stay as they were.
+/// version, with all files unchanged. The map grows in the folder's own folder .new and then takes the place of an
+/// earlier one; files of that map, but no others, are removed. Throws InputError for unusable rasters and where another
+/// run makes a map in this folder, and DeviceError if writing fails. In these cases earlier files stay as they were.
 MapSummary make_map(const MapRequest& request);
+
+/// Throws InputError unless these files of a map are those that its record was written with.
+void require_whole_map(const std::filesystem::path& folder, const std::vector<std::string>& files);
 
 /// "the vehicle hmmwv"; of trials of one wheel "the quarter vehicle hmmwv_quarter".
 std::string vehicle_text(const OutcomeModel& model);

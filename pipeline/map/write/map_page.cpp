@@ -6,6 +6,7 @@
 
 #include "base/files/file.h"
 #include "base/format.h"
+#include "base/parallel/host_loop.h"
 #include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 #include "terrain/raster/grid.h"
@@ -212,14 +213,13 @@ Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, 
   OutcomeModel alone = model;
   alone.members.clear();
   Blob blob{"drive_" + std::to_string(index), 16, std::size_t(across), std::vector<std::uint16_t>(kept * nodes, kNone)};
-#pragma omp parallel for schedule(dynamic, 8)
-  for (int node = 0; node < along * across; ++node) {
+  for_each_on_host(nodes, 8, [&](std::size_t node) {
     SoilPoints::Each each;
-    const BedSlopes slopes = headings.slopes(stride * (node / across), stride * (node % across));
+    const BedSlopes slopes = headings.slopes(stride * (int(node) / across), stride * (int(node) % across));
     points.at(alone, slopes.along, slopes.across, &each);
     for (std::size_t k = 0; k < kept && !each.sampled.empty(); ++k)
-      blob.value[k * nodes + std::size_t(node)] = stored(each.sampled[k * skip]);
-  }
+      blob.value[k * nodes + node] = stored(each.sampled[k * skip]);
+  });
   if (kept > 0) blobs.push_back(std::move(blob));
   Json rows = Json::array();
   for (std::size_t k = 0; k < kept; ++k) {

@@ -70,7 +70,7 @@ std::vector<Answer::Unknown> reconstruction_of(const Predictor& predictor, const
 /// A cell of a CSV as a value of a variable.
 double cell_value(const std::filesystem::path& file, std::size_t number, const std::string& cell,
                   const campaign::Variable& variable) {
-  if (cell.empty()) return NAN;
+  if (is_missing(cell)) return NAN;
   double value = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
@@ -92,15 +92,14 @@ PointTable read_points(const std::filesystem::path& path) {
   PointTable table{read_csv_lines(path, "points; a header of variables is needed"), {}};
   const auto& variables = campaign::contract().variables;
   std::vector<std::size_t> column;
-  for (const std::string& name : table.lines.front().cells()) {
+  for (const std::string& name : table.lines.front().cell) {
     column.push_back(campaign::contract().variable_index(name));
     if (std::count(column.begin(), column.end(), column.back()) > 1)
       throw InputError(path.string() + ": column " + name + " appears twice");
   }
   for (std::size_t n = 1; n < table.lines.size(); ++n) {
     const std::size_t number = table.lines[n].number;
-    std::vector<std::string> cells = table.lines[n].cells();
-    if (table.lines[n].text.back() == ',') cells.emplace_back();  // an empty cell at the end of a line
+    const std::vector<std::string>& cells = table.lines[n].cell;
     if (cells.size() != column.size())
       refuse_csv_line(path, number,
                       std::to_string(cells.size()) + " cells where the header has " + std::to_string(column.size()));
@@ -232,7 +231,7 @@ std::size_t infer_csv(const Predictor& predictor, const std::filesystem::path& i
   const std::size_t rows = table.lines.size() - 1;
   std::vector<double> p(rows * outcomes);
   predictor.outcome_probabilities(table.points, p);
-  std::string text = table.lines.front().text + ",p_go";
+  std::string text = csv_row(table.lines.front().cell) + ",p_go";
   for (const campaign::Outcome& outcome : campaign::contract().outcomes) text += "," + outcome.name;
   text += ",outside_sampled,novelty\n";
   for (std::size_t n = 0; n < rows; ++n) {
@@ -243,7 +242,7 @@ std::size_t infer_csv(const Predictor& predictor, const std::filesystem::path& i
       if (campaign::contract().outcomes[y].verdict != campaign::Verdict::no_go) go += p[n * outcomes + y];
       cells += line(",%.6f", p[n * outcomes + y]);
     }
-    text += table.lines[n + 1].text + line(",%.6f", go) + cells + "," + predictor.outside_variable(point) +
+    text += csv_row(table.lines[n + 1].cell) + line(",%.6f", go) + cells + "," + predictor.outside_variable(point) +
             line(",%.3f\n", predictor.novelty(point));
   }
   write_file_atomically(out, text);

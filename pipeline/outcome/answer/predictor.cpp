@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
-#include "base/progress.h"
+#include "base/parallel/host_loop.h"
 #include "learning/model/posterior.h"
 #include "learning/score/score.h"
 #include "pipeline/campaign/study/contract.h"
@@ -161,16 +161,18 @@ double Predictor::p_go(std::span<const double> variables, const learning::Margin
   return sum;
 }
 
+namespace {
+
+constexpr std::size_t kBlock = 256;  // points that a thread takes at a time
+
+}  // namespace
+
 template <class Store>
 void Predictor::for_each_point(std::span<const double> points, Store store) const {
   const std::size_t width = model_->layout.variable_count(), count = points.size() / width;
-  const std::size_t outcomes = go_weight_.size();
-#pragma omp parallel
-  {
-    std::vector<double> p(outcomes);
-#pragma omp for schedule(dynamic, 256)
-    for (std::size_t n = 0; n < count; ++n) {
-      if (cancel_requested()) continue;
+  for_each_on_host((count + kBlock - 1) / kBlock, 1, [&](std::size_t block) {
+    std::vector<double> p(go_weight_.size());
+    for (std::size_t n = block * kBlock; n < std::min(count, (block + 1) * kBlock); ++n) {
       const auto point = points.subspan(n * width, width);
       if (needs_summation(point))
         p = posterior_.marginal(point).probability;
@@ -179,8 +181,7 @@ void Predictor::for_each_point(std::span<const double> points, Store store) cons
       if (model_->calibration_power != 1) learning::sharpen(p, model_->calibration_power);
       store(n, p);
     }
-  }
-  stop_if_cancelled();
+  });
 }
 
 bool Predictor::needs_summation(std::span<const double> point) const {

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "base/format.h"
-#include "base/progress.h"
+#include "base/parallel/host_loop.h"
 #include "learning/score/score.h"
 #include "pipeline/outcome/evaluation/scores.h"
 #include "pipeline/outcome/training_data.h"
@@ -36,15 +36,12 @@ std::vector<Subset> subsets_of(const std::vector<std::size_t>& variables, std::s
 std::vector<double> forecasts(const Forecaster& forecaster, const learning::TrainingTable& table,
                               const std::vector<std::size_t>& rows, const Subset& hidden) {
   std::vector<double> p(rows.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (cancel_requested()) continue;
+  for_each_on_host(rows.size(), 1, [&](std::size_t k) {
     const auto row = table.row(rows[k]);
     std::vector<double> known(row.begin(), row.end());
     for (std::size_t v : hidden) known[v] = NAN;
     p[k] = std::clamp(forecaster.forecast(known), 1e-12, 1 - 1e-12);
-  }
-  stop_if_cancelled();
+  });
   return p;
 }
 
@@ -228,11 +225,9 @@ Reconstruction reconstruction_scores(const Predictor& predictor, const learning:
   const learning::InputPrior prior =
       model.input_prior.empty() ? learning::uniform_prior(model.layout) : model.input_prior;
   std::vector<Row> scored(rows.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    if (!cancel_requested())
-      scored[k] = scored_row(predictor, prior, table.row(rows[k]), table.outcome[rows[k]], varying);
-  stop_if_cancelled();
+  for_each_on_host(rows.size(), 1, [&](std::size_t k) {
+    scored[k] = scored_row(predictor, prior, table.row(rows[k]), table.outcome[rows[k]], varying);
+  });
   return summed_up(scored, predictor, varying, settings.seed);
 }
 

@@ -37,14 +37,14 @@ std::size_t variable_of(const std::string& name) {
 
 learning::TrainingTable read_given_rows(const std::filesystem::path& file) {
   const std::vector<CsvLine> lines = read_csv_lines(file, "rows");
-  const std::vector<std::string> header = lines.front().cells();
+  const std::vector<std::string> header = lines.front().cell;
   if (std::find(header.begin(), header.end(), "outcome") == header.end())
     throw InputError(file.string() + ": its header has no column \"outcome\"");
   learning::TrainingTable table;
   table.variable_count = campaign::contract().variables.size();
   for (std::size_t n = 1; n < lines.size(); ++n) {
     const std::size_t number = lines[n].number;
-    const std::vector<std::string> cells = lines[n].cells();
+    const std::vector<std::string>& cells = lines[n].cell;
     if (cells.size() != header.size())
       refuse_csv_line(file, number,
                       "has " + std::to_string(cells.size()) + " columns, the header " + std::to_string(header.size()));

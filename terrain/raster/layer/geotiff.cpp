@@ -350,4 +350,24 @@ void write_float_layers(const fs::path& path, const MapGrid& grid, const std::ve
   if (call.failed()) refuse_to_write(path, call);
 }
 
+void write_values(const fs::path& path, const Tile& values, const ValuesPlace& place, const std::string& crs,
+                  const std::string& unit) {
+  const GdalCall call;
+  OGRSpatialReference system;
+  if (system.SetFromUserInput(crs.c_str(), OGRSpatialReference::SET_FROM_USER_INPUT_LIMITATIONS_get()) != OGRERR_NONE)
+    throw InputError("crs: \"" + crs + "\" is no coordinate system that PROJ knows; give for example EPSG:32611");
+  MapGrid grid;
+  grid.columns = values.columns;
+  grid.rows = values.rows;
+  grid.west = place.west;
+  grid.north = place.north;
+  grid.cell_width = place.cell_width;
+  grid.cell_height = place.cell_height;
+  grid.crs_wkt = export_wkt(system);
+  write_float_layers(path, grid, {{"elevation", unit}}, {}, [&](std::size_t, int row) {
+    const auto from = values.value.begin() + std::ptrdiff_t(row) * values.columns;
+    return std::vector<float>(from, from + values.columns);
+  });
+}
+
 }  // namespace gonogo::terrain

@@ -89,4 +89,15 @@ using RowOfLayer = std::function<std::vector<float>(std::size_t layer, int row)>
 void write_float_layers(const std::filesystem::path& path, const MapGrid& grid, const std::vector<FloatLayer>& layers,
                         const std::vector<std::pair<std::string, std::string>>& metadata, const RowOfLayer& row_of);
 
+/// Outer corner of the first cell, and cells, in units of the coordinate system.
+struct ValuesPlace {
+  double west, north, cell_width, cell_height;
+};
+
+/// Writes one north-up layer as GeoTIFF, NaN as nodata. `crs`: any form that PROJ reads. `unit`: of the values, or
+/// empty. Throws InputError for a system that PROJ does not know, DeviceError when writing fails. The file is whole or
+/// absent.
+void write_values(const std::filesystem::path& path, const Tile& values, const ValuesPlace& place,
+                  const std::string& crs, const std::string& unit);
+
 }  // namespace gonogo::terrain

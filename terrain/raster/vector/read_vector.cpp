@@ -1,57 +1,182 @@
 #include "terrain/raster/vector/read_vector.h"
 
+#include <cpl_error.h>
 #include <cpl_string.h>
 #include <gdal_alg.h>
 #include <ogrsf_frmts.h>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <optional>
 
 #include "base/error.h"
-#include "terrain/raster/gdal_support.h"
+#include "terrain/raster/open_file.h"
 
 namespace gonogo::terrain {
 namespace fs = std::filesystem;
 
 namespace {
 
-/// `shapes`: what the file is read as, for the message.
-DatasetHandle open_vector(const fs::path& file, const GdalCall& call, const std::string& shapes) {
-  std::error_code ec;
-  if (!fs::exists(file, ec)) throw InputError(file.string() + ": no such file; check the path");
-  DatasetHandle dataset(GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
-  if (!dataset)
-    throw InputError(file.string() + ": cannot be read as " + shapes + " (" + call.message() +
-                     "); give a vector format that ogrinfo opens, for example GeoJSON");
-  return dataset;
+std::uint32_t big_endian(const char* at) {
+  std::uint32_t value = 0;
+  for (int i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(at[i]);
+  return value;
 }
 
-/// Polygons of a layer in the grid's system.
-void take_polygons(OGRLayer& layer, const OGRSpatialReference& grid, const fs::path& file,
-                   std::vector<std::unique_ptr<OGRGeometry>>& polygons) {
-  const OGRSpatialReference* from = layer.GetSpatialRef();
-  if (!from) throw InputError(file.string() + ": names no coordinate system; give one, for example as GeoPackage");
-  const Transformation turn(OGRCreateCoordinateTransformation(from, &grid));
-  if (!turn) throw InputError(file.string() + ": no way is known from its coordinate system to the map's");
-  for (const auto& feature : layer) {
-    if (!feature->GetGeometryRef()) continue;
-    std::unique_ptr<OGRGeometry> shape(feature->GetGeometryRef()->clone());
-    const OGRwkbGeometryType type = wkbFlatten(shape->getGeometryType());
-    if (type != wkbPolygon && type != wkbMultiPolygon)
-      throw InputError(file.string() + ": holds a shape that is no polygon (" + OGRGeometryTypeToName(type) +
-                       "); draw the area to avoid as a polygon");
-    if (shape->transform(turn.get()) != OGRERR_NONE)
-      throw InputError(file.string() + ": a polygon has no place in the map's coordinate system");
-    polygons.push_back(std::move(shape));
+std::uint32_t little_endian(const char* at, int bytes) {
+  std::uint32_t value = 0;
+  for (int i = bytes; i-- > 0;) value = value << 8 | static_cast<unsigned char>(at[i]);
+  return value;
+}
+
+/// The first bytes of a file beside `shp`, and its size; nothing where it is not there.
+struct Head {
+  std::array<char, 32> byte{};
+  std::uint64_t size = 0;
+};
+std::optional<Head> head_of(fs::path file, const char* extension) {
+  file.replace_extension(extension);
+  std::ifstream in(file, std::ios::binary);
+  Head head;
+  if (!in.read(head.byte.data(), std::streamsize(head.byte.size()))) return std::nullopt;
+  head.size = fs::file_size(file);
+  return head;
+}
+
+/// Compares the files of a Shapefile with their headers (ESRI Shapefile Technical Description, 1998; dBASE III): GDAL
+/// reads a cut one up to the cut.
+void require_whole_shapefile(const fs::path& shp) {
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(shp.string() + ": " + why + "; fetch .shp, .shx and .dbf again");
+  };
+  std::optional<std::uint64_t> shapes, rows;
+  for (const char* extension : {"shp", "shx"})
+    if (const auto head = head_of(shp, extension)) {
+      const std::uint64_t length = 2ull * big_endian(head->byte.data() + 24);
+      if (head->size < length)
+        refuse(std::string("its .") + extension + " is cut off: it has " + std::to_string(head->size) + " bytes of " +
+               std::to_string(length));
+      if (std::string(extension) == "shx") shapes = length < 100 ? 0 : (length - 100) / 8;
+    }
+  if (const auto head = head_of(shp, "dbf")) {
+    rows = little_endian(head->byte.data() + 4, 4);
+    const std::uint64_t length =
+        little_endian(head->byte.data() + 8, 2) + *rows * little_endian(head->byte.data() + 10, 2);
+    if (head->size < length)
+      refuse("its .dbf is cut off: it has " + std::to_string(head->size) + " bytes of " + std::to_string(length));
+  }
+  if (shapes && rows && *shapes != *rows)
+    refuse("its .shx has " + std::to_string(*shapes) + " shapes and its .dbf " + std::to_string(*rows) + " rows");
+}
+
+using Shape = std::unique_ptr<OGRGeometry>;
+
+bool is_line(const OGRGeometry& g) {
+  const OGRwkbGeometryType type = wkbFlatten(g.getGeometryType());
+  return type == wkbLineString || type == wkbMultiLineString;
+}
+
+bool is_area(const OGRGeometry& g) {
+  const OGRwkbGeometryType type = wkbFlatten(g.getGeometryType());
+  return type == wkbPolygon || type == wkbMultiPolygon;
+}
+
+/// Lines and polygons that a shape consists of. Others, such as points, are handed on as they are.
+void add_parts(const OGRGeometry& shape, std::vector<Shape>& parts) {
+  if (shape.IsEmpty()) return;
+  const OGRwkbGeometryType type = wkbFlatten(shape.getGeometryType());
+  if (type == wkbGeometryCollection) {
+    for (const OGRGeometry* member : *shape.toGeometryCollection()) add_parts(*member, parts);
+  } else if (OGR_GT_IsSubClassOf(type, wkbPolyhedralSurface) || type == wkbTriangle) {
+    parts.emplace_back(OGRGeometryFactory::forceToMultiPolygon(shape.clone()));
+  } else {
+    parts.emplace_back(shape.getLinearGeometry());
   }
 }
+
+class VectorFile {
+ public:
+  VectorFile(const fs::path& file, const MapGrid& grid) : file_(file), crs_(system_of(grid)), grid_(grid) {
+    dataset_ = open_file(file, FileKind::vector);
+    is_shapefile_ = EQUAL(dataset_->GetDriverName(), "ESRI Shapefile");
+    if (is_shapefile_ && fs::is_regular_file(file) && !EQUAL(file.extension().c_str(), ".zip"))
+      require_whole_shapefile(file);
+  }
+  /// Calls take(feature, parts) for every feature of the layers of this name, its lines and polygons in the grid's
+  /// system; not for empty ones. No name: all layers. Throws InputError where there is no such layer, and where reading
+  /// fails anywhere.
+  template <class Take>
+  void read(const std::string& name, const Take& take) {
+    bool found = false;
+    for (OGRLayer* layer : dataset_->GetLayers()) {
+      if (!name.empty() && name != layer->GetName()) continue;
+      found = true;
+      if (layer->GetGeomType() != wkbNone) read_layer(*layer, take);
+    }
+    if (!found) throw InputError(file_.string() + ": has no layer \"" + name + "\"; ogrinfo lists its layers");
+  }
+  std::vector<std::string> remarks;
+
+ private:
+  template <class Take>
+  void read_layer(OGRLayer& layer, const Take& take) {
+    const OGRSpatialReference* from = layer.GetSpatialRef();
+    if (!from) throw InputError(file_.string() + ": names no coordinate system; give one, for example as GeoPackage");
+    const std::string shift = check_shift(*from, crs_, file_.string(), std::sqrt(grid_.cell_area_m2()));
+    if (!shift.empty() && remarks.empty()) remarks.push_back(shift);
+    Transformation turn;
+    if (!from->IsSame(&crs_)) {
+      turn.reset(OGRCreateCoordinateTransformation(from, &crs_));
+      if (!turn) throw InputError(file_.string() + ": no way is known from its coordinate system to the map's");
+    }
+    const GdalCall call;  // its message is the first fault of reading
+    GIntBig count = 0;
+    for (const auto& feature : layer) {
+      require_no_failure(call);
+      ++count;
+      std::vector<Shape> parts;
+      if (const OGRGeometry* shape = feature->GetGeometryRef()) add_parts(*shape, parts);
+      for (const Shape& part : parts)
+        if (turn && part->transform(turn.get()) != OGRERR_NONE)
+          throw InputError(file_.string() + ": feature " + std::to_string(feature->GetFID()) +
+                           ": has no place in the map's coordinate system");
+      if (!parts.empty()) take(*feature, std::move(parts));
+      CPLErrorReset();
+    }
+    require_no_failure(call);
+    // A GeoPackage counts its features in a table that other programs leave stale.
+    const GIntBig told = EQUAL(dataset_->GetDriverName(), "GPKG") ? -1 : layer.GetFeatureCount(FALSE);
+    if (told > count)
+      throw InputError(file_.string() + ": has " + std::to_string(told) + " features, and reading ended after " +
+                       std::to_string(count) + "; the file is damaged or incomplete, fetch it again");
+  }
+  void require_no_failure(const GdalCall& call) const {
+    if (call.failed())
+      throw InputError(file_.string() + ": reading its features failed (" + call.message() +
+                       "); the file is damaged or incomplete, fetch it again");
+  }
+
+  fs::path file_;
+  OGRSpatialReference crs_;
+  MapGrid grid_;
+  DatasetHandle dataset_;
+  bool is_shapefile_ = false;
+};
 
 }  // namespace
 
 std::vector<std::uint8_t> cells_under(const fs::path& file, const MapGrid& grid) {
   const GdalCall call;
-  const DatasetHandle vector = open_vector(file, call, "polygons");
-  const OGRSpatialReference crs = system_of(grid);
-  std::vector<std::unique_ptr<OGRGeometry>> polygons;
-  for (OGRLayer* layer : vector->GetLayers()) take_polygons(*layer, crs, file, polygons);
+  std::vector<Shape> polygons;
+  VectorFile(file, grid).read("", [&](const OGRFeature&, std::vector<Shape> parts) {
+    for (Shape& shape : parts) {
+      if (!is_area(*shape))
+        throw InputError(file.string() + ": holds a shape that is no polygon (" +
+                         OGRGeometryTypeToName(shape->getGeometryType()) + "); draw the area to avoid as a polygon");
+      polygons.push_back(std::move(shape));
+    }
+  });
   std::vector<std::uint8_t> cells(std::size_t(grid.columns) * std::size_t(grid.rows), 0);
   DatasetHandle raster(
       GetGDALDriverManager()->GetDriverByName("MEM")->Create("", grid.columns, grid.rows, 1, GDT_Byte, nullptr));
@@ -88,27 +213,18 @@ double number_of(const OGRFeature& feature, const std::string& attribute, const 
   return feature.GetFieldAsDouble(field);
 }
 
-bool is_line(const OGRGeometry& g) {
-  const OGRwkbGeometryType type = wkbFlatten(g.getGeometryType());
-  return type == wkbLineString || type == wkbMultiLineString;
-}
-
-bool is_area(const OGRGeometry& g) {
-  const OGRwkbGeometryType type = wkbFlatten(g.getGeometryType());
-  return type == wkbPolygon || type == wkbMultiPolygon;
-}
-
 }  // namespace
 
 struct ShapeCells::State {
-  struct Shape {
-    std::unique_ptr<OGRGeometry> outline;
+  struct Marked {
+    Shape outline;
     OGREnvelope box;
     float value = 0;
     int rank = 0;
   };
   MapGrid grid;
-  std::vector<Shape> shapes;
+  std::vector<Marked> shapes;
+  std::vector<std::string> remarks;
 };
 
 ShapeCells::ShapeCells(const MapGrid& grid) : state_(std::make_unique<State>()) { state_->grid = grid; }
@@ -118,42 +234,34 @@ ShapeCells::~ShapeCells() = default;
 void ShapeCells::add(const fs::path& file, const std::string& layer_name,
                      const std::function<ShapeMark(const FeatureNumbers&)>& mark) {
   const GdalCall call;
-  const DatasetHandle vector = open_vector(file, call, "lines or polygons");
   const MapGrid& grid = state_->grid;
-  const OGRSpatialReference crs = system_of(grid);
   const double east = grid.east(), south = grid.south();
   const double per_metre = grid.cell_width / grid.cell_width_m();
-  bool found = false, touches = false;
-  for (OGRLayer* layer : vector->GetLayers()) {
-    if (!layer_name.empty() && layer_name != layer->GetName()) continue;
-    found = true;
-    const OGRSpatialReference* from = layer->GetSpatialRef();
-    if (!from) throw InputError(file.string() + ": names no coordinate system; give one, for example as GeoPackage");
-    const Transformation turn(OGRCreateCoordinateTransformation(from, &crs));
-    if (!turn) throw InputError(file.string() + ": no way is known from its coordinate system to the map's");
-    for (const auto& feature : *layer) {
-      if (!feature->GetGeometryRef()) continue;
-      std::unique_ptr<OGRGeometry> shape(feature->GetGeometryRef()->clone());
+  bool touches = false;
+  VectorFile vector(file, grid);
+  vector.read(layer_name, [&](const OGRFeature& feature, std::vector<Shape> parts) {
+    for (const Shape& shape : parts)
       if (!is_line(*shape) && !is_area(*shape))
         throw InputError(file.string() + ": holds a shape that is neither line nor polygon (" +
                          OGRGeometryTypeToName(shape->getGeometryType()) + "); draw it as one of them");
-      if (shape->transform(turn.get()) != OGRERR_NONE)
-        throw InputError(file.string() + ": a shape has no place in the map's coordinate system");
-      const ShapeMark marked = mark([&](const std::string& attribute) { return number_of(*feature, attribute, file); });
+    const ShapeMark marked = mark([&](const std::string& attribute) { return number_of(feature, attribute, file); });
+    for (Shape& shape : parts) {
       if (is_line(*shape) && marked.width * per_metre > grid.cell_width)
         if (OGRGeometry* wide = shape->Buffer(0.5 * marked.width * per_metre)) shape.reset(wide);
-      State::Shape s{std::move(shape), {}, marked.value, marked.rank};
+      State::Marked s{std::move(shape), {}, marked.value, marked.rank};
       s.outline->getEnvelope(&s.box);
       const bool here = s.box.MinX < east && s.box.MaxX > grid.west && s.box.MinY < grid.north && s.box.MaxY > south;
       touches = touches || here;
       if (here && marked.value != 0) state_->shapes.push_back(std::move(s));
     }
-  }
+  });
+  state_->remarks.insert(state_->remarks.end(), vector.remarks.begin(), vector.remarks.end());
   std::stable_sort(state_->shapes.begin(), state_->shapes.end(),
                    [](const auto& a, const auto& b) { return a.rank < b.rank; });
-  if (!found) throw InputError(file.string() + ": has no layer \"" + layer_name + "\"; ogrinfo lists its layers");
   if (!touches) throw InputError(file.string() + ": no shape of it touches the map; check its coordinate system");
 }
+
+const std::vector<std::string>& ShapeCells::remarks() const { return state_->remarks; }
 
 Tile ShapeCells::read(Window window) const {
   const GdalCall call;
@@ -162,7 +270,7 @@ Tile ShapeCells::read(Window window) const {
   const double east = west + window.columns * grid.cell_width, south = north - window.rows * grid.cell_height;
   std::vector<OGRGeometryH> shapes;
   std::vector<double> value;
-  for (const State::Shape& s : state_->shapes) {
+  for (const State::Marked& s : state_->shapes) {
     if (s.box.MinX >= east || s.box.MaxX <= west || s.box.MinY >= north || s.box.MaxY <= south) continue;
     shapes.push_back(OGRGeometry::ToHandle(s.outline.get()));
     value.push_back(s.value);

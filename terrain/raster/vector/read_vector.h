@@ -11,8 +11,9 @@
 
 namespace gonogo::terrain {
 
-/// 1 for each cell that a polygon of the file touches, 0 elsewhere [cell]. Any vector format that GDAL reads, in any
-/// coordinate system. Throws InputError: no such file, no vector file, no coordinate system, other shapes than
+/// 1 for each cell that a polygon of the file touches, 0 elsewhere [cell]. Any vector format of open_file.h, in any
+/// coordinate system. Curves become chords of 4 degrees; collections, surfaces of triangles and of polygons become
+/// their parts. Throws InputError: no such file, no vector file, a damaged one, no coordinate system, other shapes than
 /// polygons, no polygon on the grid.
 std::vector<std::uint8_t> cells_under(const std::filesystem::path& file, const MapGrid& grid);
 
@@ -33,11 +34,13 @@ class ShapeCells {
   ShapeCells(ShapeCells&&) noexcept;
   ~ShapeCells();
 
-  /// Takes the lines and polygons of a file: any vector format of GDAL in any coordinate system. `layer`: empty for all
-  /// of them. `mark` is asked once for each feature. Throws InputError: no such file or layer, no vector file, no
-  /// coordinate system, points and other shapes, nothing that touches the grid.
+  /// Takes the lines and polygons of a file, read as in cells_under(). `layer`: empty for all of them. `mark` is asked
+  /// once for each feature. Throws InputError also for points, and where there is no such layer.
   void add(const std::filesystem::path& file, const std::string& layer,
            const std::function<ShapeMark(const FeatureNumbers&)>& mark);
+
+  /// One sentence each, without a full stop: datums whose way to the map's is not known.
+  const std::vector<std::string>& remarks() const;
 
   /// Numbers of the cells that a shape touches, 0 elsewhere. The split into windows changes no cell. Thread-safe.
   Tile read(Window window) const;

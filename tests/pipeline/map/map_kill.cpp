@@ -34,7 +34,7 @@ bool killed_after(const TemporaryFolder& folder, std::uintmax_t bytes) {
     make_map(request_in(folder, "killed"));
     _exit(0);
   }
-  const auto tiles = folder / "killed/.blocks.scratch";
+  const auto tiles = folder / "killed/.new/.blocks.scratch";
   std::error_code none;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {

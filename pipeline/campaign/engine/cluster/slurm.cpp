@@ -27,6 +27,25 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// Throws InputError for text that would end a line of job.sh and so become a command of its own.
+void require_one_line(const std::string& text, const std::string& what) {
+  for (const char c : text)
+    if (static_cast<unsigned char>(c) < 32 || c == 127)
+      throw InputError("campaign submit: " + what + " holds a line break or another control character; leave it out");
+}
+
+/// A folder of an #SBATCH line that names a file, to stand in double quotes. "%" is doubled, since it begins a
+/// replacement symbol (manual page of sbatch, "filename pattern").
+std::string sbatch_folder(const fs::path& folder) {
+  std::string text;
+  for (const char c : folder.string()) {
+    if (c == '"' || c == '\\') text += '\\';
+    if (c == '%') text += '%';
+    text += c;
+  }
+  return text;
+}
+
 struct Answer {
   int status = -1;
   std::string text;
@@ -67,7 +86,7 @@ std::string array_text(const std::set<std::uint64_t>& numbers) {
 std::string script_text(const CampaignRequest& campaign, const SlurmRequest& slurm,
                         const std::set<std::uint64_t>& tasks, std::uint64_t count) {
   std::string text = "#!/bin/sh\n#SBATCH --job-name=gonogo\n#SBATCH --array=" + array_text(tasks) + "\n";
-  text += "#SBATCH --output=" + (slurm_folder(fs::absolute(campaign.folder)) / "task-%a.log").string() + "\n";
+  text += "#SBATCH --output=\"" + sbatch_folder(slurm_folder(fs::absolute(campaign.folder))) + "/task-%a.log\"\n";
   text += "#SBATCH --open-mode=append\n";
   for (const std::string& option : slurm.options) text += "#SBATCH " + option + "\n";
   text += "exec";
@@ -79,6 +98,9 @@ std::string script_text(const CampaignRequest& campaign, const SlurmRequest& slu
 
 Submission submit_campaign(const CampaignRequest& campaign, const SlurmRequest& slurm) {
   Submission result;
+  require_one_line(fs::absolute(campaign.folder).string(), "the folder");
+  for (const std::string& option : slurm.options) require_one_line(option, "an option for sbatch");
+  for (const std::string& word : slurm.task_command) require_one_line(word, "the command line");
   if (const std::string state = slurm_state(campaign.folder); !state.empty())
     throw InputError(campaign.folder.string() + ": was submitted already (" + state +
                      "); wait for the end, or scancel it and submit again");

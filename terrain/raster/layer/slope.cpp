@@ -1,4 +1,4 @@
-#include "terrain/raster/slope.h"
+#include "terrain/raster/layer/slope.h"
 
 #include <omp.h>
 
