@@ -24,6 +24,7 @@ void request_again_and_again(int) { requested = 1; }
 void install_cancel_handler() {
   std::signal(SIGINT, request);
   std::signal(SIGTERM, request);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes then fails the write, which is told in a sentence
 }
 
 bool cancel_requested() { return requested != 0; }

@@ -128,11 +128,20 @@ void add_crossings(OutcomeModel& model, Region& region, const TrainedModel& trai
   add_crossing_model(model, crossing);
 }
 
-/// Values of the mission that --set gives.
-void set_values(MapRules& rules, const std::vector<std::string>& texts) {
+/// Values of the mission that --set gives. Throws InputError for those that the model's trials did not sample: every
+/// cell would be unknown.
+void set_values(MapRules& rules, const std::vector<std::string>& texts, const OutcomeModel& model) {
   for (const auto& [name, value] : outcome::parse_named_values(texts)) {
     if (name == "slope_along" || name == "slope_across")
       throw InputError("map: --set " + name + ": slopes come from the elevation raster; leave it out");
+    const std::size_t v = campaign::contract().variable_index(name);
+    const campaign::Variable& variable = campaign::contract().variables[v];
+    const Range sampled = model.sampled[v];
+    if (variable.prior != "region" && (value < sampled.minimum || value > sampled.maximum))
+      throw InputError(
+          line("map: --set %s=%g: the model's trials had %g to %g %s; give a value of that range, or a model "
+               "whose trials had it",
+               name.c_str(), value, sampled.minimum, sampled.maximum, variable.unit.c_str()));
     rules.values[name] = {Spread::Kind::fixed, value, value, "--set"};
   }
 }
@@ -284,7 +293,7 @@ MapRequest read_map_request(const MapFiles& files) {
   add_measures(request.model, trained);
   if (!files.heading.empty()) set_heading(request.rules, files.heading, "map: --heading");
   if (files.dem.empty() && !files.moisture.empty()) request.rules.moisture = files.moisture;
-  set_values(request.rules, files.set);
+  set_values(request.rules, files.set, request.model);
   if (files.max_speed_km_h > 0) request.rules.max_speed = files.max_speed_km_h / kKmPerHour;
   if (!files.whole_vehicle.empty()) request.rules.cone_index_of = files.whole_vehicle;
   add_vehicle(request.model, request.region, trained, request.rules.cone_index_of);

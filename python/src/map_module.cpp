@@ -93,9 +93,8 @@ std::tuple<Array<float>, Transform, std::string> read_raster(const std::string& 
 }
 
 /// Writes values [row, column] of a north-up raster.
-void write_raster(const std::string& path,
-                  const nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>& values,
-                  const Transform& t, const std::string& crs, const std::string& unit) {
+void write_raster(const std::string& path, const ArrayIn<float, 2>& values, const Transform& t, const std::string& crs,
+                  const std::string& unit) {
   terrain::Tile tile(int(values.shape(1)), int(values.shape(0)), 0);
   std::copy_n(values.data(), tile.value.size(), tile.value.begin());
   long_call([&] { terrain::write_values(path, tile, {t[2], t[5], t[0], -t[4]}, crs, unit); });

@@ -75,9 +75,11 @@ class Batch {
 };
 
 sim::StepSettings settings_of(double step, int iterations, double tolerance, std::optional<double> grain_diameter,
-                              int substeps) {
+                              int substeps, const std::optional<std::string>& target) {
   sim::StepSettings settings;
+  settings.target = sim::Target::coulomb;
   if (grain_diameter) settings = terrain::bed_step_settings(*grain_diameter, step, iterations, tolerance);
+  if (target) settings.target = sim::target_named(*target);
   settings.step = Real(step);
   settings.iterations = iterations;
   settings.tolerance = Real(tolerance);
@@ -110,14 +112,20 @@ void bind_simulation(nb::module_& m) {
       .def(
           "__init__",
           [](Batch* self, const std::vector<sim::SceneWorld>& worlds, double step, int iterations, double tolerance,
-             std::optional<double> grain_diameter, int substeps, int threads, bool gpu) {
-            const auto settings = settings_of(step, iterations, tolerance, grain_diameter, substeps);
+             std::optional<double> grain_diameter, int substeps, int threads, bool gpu,
+             const std::optional<std::string>& target) {
+            const auto settings = settings_of(step, iterations, tolerance, grain_diameter, substeps, target);
             new (self) Batch(worlds, settings, threads, gpu);
           },
           "worlds"_a, "step"_a = 1e-3, "iterations"_a = 100, "tolerance"_a = 0.0,
           "grain_diameter"_a.none() = nb::none(), "substeps"_a = 1, "threads"_a = 1, "gpu"_a = false,
+          "target"_a.none() = nb::none(),
           "Step [s]; max iterations of the solver in a substep; residual at which it stops [m/s]. A grain diameter [m] "
-          "sets the tolerances of contacts as beds of such grains need them.")
+          "sets the tolerances of contacts as beds of such grains need them. target: \"coulomb\", Coulomb's law, or "
+          "\"ccp\", "
+          "the convex relaxation, in which a sliding contact opens by friction x speed x step. None: coulomb, and ccp "
+          "for "
+          "a grain diameter, since the tables of soils are measured with it.")
       .def(
           "step", [](Batch& b, Index count) { long_call([&] { b.advance(count); }); }, "count"_a = 1,
           "Takes steps of all worlds.")

@@ -60,7 +60,7 @@ def test_the_program_makes_the_same_bits(made, model_file, program, tmp_path):
 def test_a_shipped_model_and_a_named_soil(hill, program, tmp_path):
     files = dict(soil="sandy loam", moisture="wet", settings={"payload": 500.0}, max_speed=40.0)
     made = gonogo.map(hill, "hmmwv", **files, out=tmp_path / "map", crs="EPSG:32610", transform=TRANSFORM)
-    subprocess.run([program, "map", "--model", "hmmwv", "--dem", tmp_path / "map/elevation.vrt", "--soil", "sandy loam", "--moisture",
+    subprocess.run([program, "map", "--model", "hmmwv", "--dem", tmp_path / "map/elevation.tif", "--soil", "sandy loam", "--moisture",
                     "wet", "--set", "payload=500", "--max-speed", "40", "--out", tmp_path / "same"], check=True, capture_output=True)
     for layer in ("go.tif", "p_go.tif", "speed.tif"):
         assert (tmp_path / "map" / layer).read_bytes() == (tmp_path / "same" / layer).read_bytes(), layer
@@ -88,7 +88,7 @@ def test_rasters_of_other_packages_make_the_same_map(made, hill, tmp_path):
 
 
 def test_a_written_raster_reads_back(made, hill):
-    again = gonogo.read_raster(made.folder / "elevation.vrt")
+    again = gonogo.read_raster(made.folder / "elevation.tif")
     assert np.array_equal(again.values, hill)
     assert again.transform == TRANSFORM
 
@@ -169,7 +169,7 @@ def test_map_options_reach_the_program(hill, model_file, program, tmp_path):
     files = dict(crs="EPSG:32610", transform=TRANSFORM, soil="loam", moisture="dry", heading=45, height_unit="ft",
                  flat_is_ground=True, colour_blind_safe=True)
     made = gonogo.map(hill, "hmmwv", **files, out=tmp_path / "map")
-    subprocess.run([program, "map", "--model", "hmmwv", "--dem", tmp_path / "map/elevation.vrt", "--soil", "loam", "--moisture", "dry",
+    subprocess.run([program, "map", "--model", "hmmwv", "--dem", tmp_path / "map/elevation.tif", "--soil", "loam", "--moisture", "dry",
                     "--heading", "45", "--height-unit", "ft", "--flat-is-ground", "--colour-blind-safe", "--out", tmp_path / "same"],
                    check=True, capture_output=True)
     for layer in ("go.tif", "p_go.tif", "go.qml"):
