@@ -7,6 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 import rasterio
+import rasterio.vrt
 import rioxarray
 
 import gonogo
@@ -85,6 +86,42 @@ def test_rasters_of_other_packages_make_the_same_map(made, hill, tmp_path):
     with rasterio.open(tmp_path / "path" / "p_go.tif") as raster:
         assert np.array_equal(raster.read(1, masked=True).filled(np.nan), maps[0]["p_go"], equal_nan=True)
         assert raster.transform == rasterio.Affine(*maps[0].raster("p_go").transform)
+
+
+def test_the_same_ground_handed_over_in_any_way_makes_the_same_map(hill, tmp_path):
+    """Masks, nodata, scale, names of axes and their direction, of numpy, rasterio and xarray; some live in memory alone."""
+    holes = hill.copy()
+    holes[5:8, 6:11] = -32768
+    place = dict(driver="GTiff", height=ROWS, width=COLUMNS, count=1, dtype="float32", crs="EPSG:32610", nodata=-32768,
+                 transform=rasterio.Affine(*TRANSFORM))
+    with rasterio.open(tmp_path / "holes.tif", "w", **place) as raster:
+        raster.write(holes, 1)
+    given = dict(model="hmmwv", soil="sand", moisture="dry")
+    wanted = gonogo.map(tmp_path / "holes.tif", **given, out=tmp_path / "file")["p_go"]
+    assert np.isnan(wanted).any()
+    ways = {}
+    with rasterio.open(tmp_path / "holes.tif") as raster:
+        ways["masked"] = dict(dem=raster.read(1, masked=True), crs=raster.crs, transform=raster.transform)
+        upside_down = raster.transform * rasterio.Affine(1, 0, 0, 0, -1, ROWS)
+        ways["south up"] = dict(dem=raster.read(1, masked=True)[::-1], crs=raster.crs, transform=upside_down)
+    with rioxarray.open_rasterio(tmp_path / "holes.tif") as array:
+        array.load()
+    ways["nodata"] = dict(dem=array)
+    ways["axes"] = dict(dem=array.squeeze().transpose("x", "y"))
+    ways["ascending"] = dict(dem=array.sortby("y"))
+    counts = array.astype("float64") / 0.5
+    counts.attrs.update(scale_factor=0.5, add_offset=0.0, _FillValue=-65536.0)
+    ways["scale"] = dict(dem=counts)
+    with rasterio.MemoryFile((tmp_path / "holes.tif").read_bytes()) as memory, memory.open() as raster:
+        made = {"in memory": gonogo.map(raster, **given, out=tmp_path / "memory")}
+    with rasterio.open(tmp_path / "holes.tif") as raster, rasterio.vrt.WarpedVRT(raster, crs=raster.crs) as warped:
+        made["warped"] = gonogo.map(warped, **given, out=tmp_path / "warped")
+    for name, way in ways.items():
+        made[name] = gonogo.map(**way, **given, out=tmp_path / name)
+    for name, other in made.items():
+        assert np.array_equal(other["p_go"], wanted, equal_nan=True), name
+    with pytest.raises(gonogo.InputError, match="rows do not run west to east"):
+        gonogo.map(hill, **given, out=tmp_path / "turned", crs="EPSG:32610", transform=(10, 1, 0, 1, -10, 0))
 
 
 def test_a_written_raster_reads_back(made, hill):

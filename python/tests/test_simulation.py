@@ -173,3 +173,21 @@ def test_indices_are_checked():
         gonogo.Simulation([])
     with pytest.raises(gonogo.InputError):
         simulation.step(-1)
+
+
+def test_a_cube_slides_flat_by_coulombs_law():
+    """v^2 / (2 mu g); under the convex relaxation it lifts by mu v step, which takes it out of contact."""
+    world = gonogo.World((10, 2, 2))
+    world.add_floor(0.0, material=1)
+    world.set_law(0, 1, friction=0.5)
+    cube = world.add_box((1, 1, 0.05), (0.05, 0.05, 0.05), density=1000)
+    world.set_velocity(cube, (6, 0, 0))
+    simulation = gonogo.Simulation([world], step=1e-3, iterations=200, tolerance=1e-6)
+    highest = 0.0
+    for _ in range(30):
+        simulation.step(50)
+        highest = max(highest, simulation.bodies().position[cube, 2] - 0.05)
+    assert simulation.bodies().position[cube, 0] - 1 == pytest.approx(36 / (2 * 0.5 * 9.81), rel=5e-3)
+    assert highest < 1e-3
+    with pytest.raises(gonogo.InputError, match="coulomb"):
+        gonogo.Simulation([world], target="colomb")

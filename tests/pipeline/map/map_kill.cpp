@@ -8,14 +8,18 @@
 
 #include "base/files/file.h"
 #include "base/math/random.h"
+#include "pipeline/map/write/compare_maps.h"
 #include "tests/pipeline/map/wavy_region.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
 
 using namespace gonogo;
 using namespace gonogo::campaign;
 using namespace gonogo::map;
 
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr int kSide = 1200;  // 9 tiles
 
@@ -67,4 +71,47 @@ TEST_CASE("a killed map goes on where it was and has the same bytes") {
   for (const auto& entry : std::filesystem::directory_iterator(folder / "killed"))
     left += entry.path().filename().string().front() == '.';
   CHECK(left == 0);
+}
+
+TEST_CASE("a folder takes one map at a time, and a new map replaces all of the old one") {
+  const TemporaryFolder folder;
+  test::make_wavy_region(folder, "waves", {60, 60, 37, 53});
+  MapRequest first = request_in(folder, "map");
+  const MapSummary old = make_map(first);
+  write_file_atomically(folder / "map/mine.txt", "kept");
+  fs::create_directory(folder / "map/.new");
+  {
+    const auto lock = lock_folder_if_free(folder / "map/.new");
+    REQUIRE(lock);
+    first.rules.go = 0.97;
+    CHECK(contains(input_error([&] { make_map(first); }), "another run is using this folder"));
+  }
+  require_whole_map(folder / "map", {"go.tif", "index.html"});
+  MapRequest speedless = first;
+  speedless.model.hash = "another";
+  make_map(speedless);
+  const Json record = Json::read(folder / "map/map.json");
+  CHECK(record.at("inputs").at("model_hash").string() == "another");
+  for (const auto& [name, hash] : record.at("files").members()) {
+    INFO(name);
+    CHECK(file_hash(folder / "map" / name) == hash.string());
+  }
+  CHECK(read_file(folder / "map/mine.txt") == "kept");
+  CHECK_FALSE(fs::exists(folder / "map/.new"));
+}
+
+TEST_CASE("a map of which one file is another's is refused") {
+  const TemporaryFolder folder;
+  test::make_wavy_region(folder, "waves", {60, 60, 37, 53});
+  make_map(request_in(folder, "map"));
+  make_map(request_in(folder, "second"));
+  std::string bytes = read_file(folder / "map/p_go.tif");
+  bytes[bytes.size() / 2] ^= 1;
+  write_file_atomically(folder / "map/p_go.tif", bytes);
+  CHECK(contains(input_error([&] {
+                   compare_maps({folder / "map", folder / "second", folder / "both"});
+                 }),
+                 "p_go.tif: is not the file that"));
+  CHECK_FALSE(make_map(request_in(folder, "map")).reused);
+  compare_maps({folder / "map", folder / "second", folder / "both"});
 }
