@@ -159,8 +159,9 @@ std::string inside_zip(const fs::path& zip, FileKind kind) {
     throw InputError(path.string() + ": is of the format " + name + " (" + GDALGetDriverLongName(other) +
                      "), which may name hosts, databases or other files; give a " + example(kind) +
                      ", or --allow-network to open it");
-  throw InputError(path.string() + ": cannot be read as a " + (kind == FileKind::raster ? "raster" : "vector file") +
-                   " (" + reason + "); give a format that " + (kind == FileKind::raster ? "gdalinfo" : "ogrinfo") +
+  throw InputError(path.string() + ": cannot be read as " +
+                   (kind == FileKind::raster ? "a raster" : "lines or polygons") + " (" + reason +
+                   "); give a format that " + (kind == FileKind::raster ? "gdalinfo" : "ogrinfo") +
                    " opens, for example " + example(kind));
 }
 

@@ -140,7 +140,8 @@ void add_table(const fs::path& raster, SoilFolder& found) {
     throw InputError(
         raster.string() + ": is a raster of map units, and " + found.table.string() +
         " is not there; give a table with the columns mukey, sandtotal_r, claytotal_r, ... (docs/regions.md)");
-  for (const std::string& column : read_csv_lines(found.table, "map units").front().cell) {
+  const std::vector<CsvLine> lines = read_csv_lines(found.table, "map units");
+  for (const std::string& column : lines.front().cell) {
     if (auto r = recognise(column); r && !r->is_soil_grids) {
       r->layer.column = column;
       r->layer.files = raster;
@@ -239,11 +240,6 @@ constexpr double kFifthPercentile = 1.645;  // standard deviations to either sid
 /// Largest value of a property that a soil can have [%, g/cm3, volume %]. Quartz has 2.65 g/cm3.
 double largest(SoilProperty p) { return p == SoilProperty::bulk_density ? 2.65 : 100; }
 
-/// Counts of a layer's raster that can be measurements; others are voids.
-terrain::ValueRange possible_counts(const SoilLayer& layer) {
-  return {0, largest(layer.property) / layer.per_count * 1.0001, "value in " + layer.unit};
-}
-
 double number_in(const std::string& cell, const std::string& where) {
   if (is_missing(cell)) return kUnknown;
   if (const auto value = parsed<double>(cell)) return *value;
@@ -325,14 +321,11 @@ std::optional<TextureShares> shares_of(const Means& of, double error, SoilFindin
 
 SoilCells::SoilCells(const SoilFolder& folder, double error, std::optional<SoilProperty> water)
     : folder_(folder), error_(error), water_(water) {
-  for (const SoilLayer& layer : folder.layers) {
-    const bool holds_values = layer.column.empty();
-    const auto range = holds_values ? std::optional(possible_counts(layer)) : std::nullopt;
-    sources_.push_back(sources_.empty() ? RasterSource::open_as_it_lies(layer.files, range)
+  for (const SoilLayer& layer : folder.layers)
+    sources_.push_back(sources_.empty() ? RasterSource::open_as_it_lies(layer.files)
                                         : RasterSource::open_on_grid(
                                               layer.files, grid(),
-                                              holds_values ? RasterKind::continuous : RasterKind::classes, range));
-  }
+                                              layer.column.empty() ? RasterKind::continuous : RasterKind::classes));
   if (!folder.table.empty()) row_of_ = read_table(folder);
 }
 

@@ -158,7 +158,7 @@ TEST_CASE("elevation rasters that lie nowhere, or where no map can lie, are refu
   dem.transform = {500000, 10, 3, 4400000, 3, -10};
   check_refused(with_dem(dem), "rotated");  // 10
   dem.transform = {500000, 10, 0, 4400000, 0, 10};
-  check_refused(with_dem(dem), "dem.tif");  // 11
+  CHECK(with_dem(dem).refusal.empty());  // 11, the southern row first
   dem.transform = {500000, 0, 0, 4400000, 0, 0};
   check_refused(with_dem(dem), "dem.tif");                                       // 12
   check_refused(with_dem(ground_in("EPSG:4326", -180, 90, 15, 10)), "degrees");  // 13, the whole globe
