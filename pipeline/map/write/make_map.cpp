@@ -352,14 +352,17 @@ void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable&
 /// Removes the map that stands in `folder`: its record and page first, so that what is left never looks like a map.
 void remove_map(const fs::path& folder) {
   std::vector<fs::path> files = {folder / kRecordName, folder / "index.html"};
-  if (fs::exists(files.front())) try {
-      for (const auto& [name, hash] : Json::read(files.front()).at("files").members())
-        if (fs::path(name).filename() == name)
-          for (const fs::path& own :
-               {fs::path(name), fs::path(name + ".aux.xml"), fs::path(name).replace_extension(".qml")})
-            files.push_back(folder / own);
-    } catch (const InputError&) {  // not a record of this program: its files stay
+  try {
+    const Json record =
+        fs::exists(files.front()) ? Json::read(files.front()) : Json(Json::Object{{"files", Json::object()}});
+    for (const auto& [name, hash] : record.at("files").members()) {
+      if (fs::path(name).filename() != name) continue;
+      files.push_back(folder / name);
+      files.push_back(folder / (name + ".aux.xml"));
+      files.push_back((folder / name).replace_extension(".qml"));
     }
+  } catch (const InputError&) {  // not a record of this program: the files that it names stay
+  }
   std::error_code ignored;
   for (const fs::path& file : files) fs::remove(file, ignored);
 }
