@@ -7,7 +7,7 @@
 
 namespace gonogo {
 
-/// SIGINT and SIGTERM set the flag; a second one ends the process at once. A limit on file sizes fails the write.
+/// SIGINT and SIGTERM set the flag; a second one ends the process at once.
 void install_cancel_handler();
 
 bool cancel_requested();

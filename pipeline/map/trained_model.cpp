@@ -68,8 +68,10 @@ bool is_of_ditches(const fs::path& folder) {
                      "the vehicle in it, and run: gonogo run <study>; 2,000 trials take 2 to 3 hours on an H100 "
                      "and days on a processor. " +
                      have);
-  throw InputError(model + ": no such model file, and no shipped model has that name" + did_you_mean(model, names) +
-                   "; " + have);
+  const std::string nearest = nearest_word(model, names);
+  const bool is_near = 2 * edit_distance(model, nearest) <= std::max(model.size(), nearest.size());
+  const std::string hint = is_near ? " (did you mean \"" + nearest + "\"?)" : "";
+  throw InputError(model + ": no such model file, and no shipped model has that name" + hint + "; " + have);
 }
 
 /// The study's own vehicle and grains may be others where it learns the model's trials beside its own.

@@ -97,8 +97,12 @@ TEST_CASE("trials, a model with members, maps, a route and a comparison by the p
         run_gonogo({"route", "--model", folder / "model.h5", "--region", folder / "region.json", "--whole-vehicle",
                     kHmmwv, "--from", "500055," + row, "--to", "500205," + row, "--json"});
     INFO(ending.err);
-    REQUIRE(ending.exit_code == 0);
-    return Json::parse(ending.out, "stdout").at("routes").items()[0].at("found").boolean();
+    const Json answer = Json::parse(ending.out, "stdout");
+    const bool found = answer.at("routes").items()[0].at("found").boolean();
+    REQUIRE(ending.exit_code == (found ? 0 : 1));
+    CHECK(found == (answer.find("dead_end") == nullptr));
+    if (!found) CHECK(contains(answer.at("dead_end").at("by").string(), "clay"));
+    return found;
   };
   CHECK(routed("4399945"));
   CHECK_FALSE(routed("4399495"));  // soft clay

@@ -84,6 +84,15 @@ const CLI::App& chosen(const CLI::App& program) {
 
 std::string quoted(const std::string& word) { return "\"" + word + "\""; }
 
+/// " (did you mean "--threads"?)" where a name is near: at most half of its letters differ, or their order.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
+  const std::string nearest = nearest_word(word, names);
+  const bool reordered = std::is_permutation(word.begin(), word.end(), nearest.begin(), nearest.end());
+  if (nearest.empty() || (!reordered && 2 * edit_distance(word, nearest) > std::max(word.size(), nearest.size())))
+    return "";
+  return " (did you mean " + quoted(nearest) + "?)";
+}
+
 std::string unknown_option(const CLI::App& command, const std::string& word) {
   std::vector<std::string> names{"--help"};
   for (const CLI::App* at = &command; at != nullptr; at = at->get_parent())

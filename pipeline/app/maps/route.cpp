@@ -39,7 +39,11 @@ void find_routes(const Globals& globals, const RouteOptions& options) {
   request.regions = options.regions;
   request.map = map_request_of(globals, options.files);
   const map::RouteResult result = map::plan_route(request);
-  print_result(globals, map::route_json(result), map::route_text(result));
+  const bool all = std::all_of(result.ways.begin(), result.ways.end(), [](const auto& way) { return way.second; });
+  if (all) return print_result(globals, map::route_json(result), map::route_text(result));
+  fail_with_result(globals, map::route_json(result), map::route_text(result),
+                   DeviceError("route: there is no way between these places; gonogo route --regions shows what hangs "
+                               "together"));
 }
 
 }  // namespace

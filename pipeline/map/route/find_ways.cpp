@@ -198,4 +198,48 @@ std::vector<std::pair<RouteCost, std::optional<FoundWay>>> find_ways(const Route
   return ways;
 }
 
+namespace {
+
+/// What a vehicle meets that enters a cell on a heading [deg].
+std::string obstruction(const SoilTable& table, const RouteCells& cells, std::size_t cell, int heading) {
+  const std::uint8_t soil = cells.soil[cell];
+  if (soil == RouteCells::kClosed) return "land cover, an obstacle or a polygon to avoid";
+  if (soil == RouteCells::kNowhere) return "ground without elevation, soil or known land cover";
+  const double slope = cells.slope[cell] / double(kSlopeSteps), psi = fall_line_angle(heading, cells.aspect[cell]);
+  const CellClass& result = table.responses[soil].at(slope, psi).result;
+  const auto& contract = campaign::contract();
+  return contract.verdicts[std::size_t(result.verdict)].name + " for " + contract.info(result.reason).label +
+         line(" on %s at %.0f degrees of slope", table.soils[soil].name.c_str(), slope);
+}
+
+}  // namespace
+
+std::optional<DeadEnd> find_dead_end(const RouteRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
+                                     const RouteCells& cells, const RouteCosts& costs) {
+  const std::vector<std::uint32_t> stops = stops_of(request, grid, cells);
+  const auto columns = std::size_t(cells.columns);
+  for (std::size_t i = 1; i < stops.size(); ++i) {
+    const std::vector<float> cost = reach(cells, costs, stops[i - 1]);
+    const std::size_t goal = stops[i];
+    if (std::isfinite(cost[goal])) continue;
+    const auto across = [&](std::size_t cell) { return double(goal % columns) - double(cell % columns); };
+    const auto down = [&](std::size_t cell) { return double(goal / columns) - double(cell / columns); };
+    std::size_t nearest = stops[i - 1];
+    const auto distance = [&](std::size_t cell) {
+      return std::hypot(across(cell) * cells.cell_width, down(cell) * cells.cell_height);
+    };
+    for (std::size_t cell = 0; cell < cost.size(); ++cell)
+      if (std::isfinite(cost[cell]) && distance(cell) < distance(nearest)) nearest = cell;
+    const double longest = std::max(std::abs(across(nearest)), std::abs(down(nearest)));
+    const int right = int(std::lround(across(nearest) / longest)), below = int(std::lround(down(nearest) / longest));
+    const std::size_t next = std::size_t(std::ptrdiff_t(nearest) + below * std::ptrdiff_t(columns) + right);
+    const int heading = (int(std::lround(to_degrees(std::atan2(right, -below)))) + 360) % 360;
+    return DeadEnd{.place = {grid.west + (double(nearest % columns) + 0.5) * grid.cell_width,
+                             grid.north - (double(nearest / columns) + 0.5) * grid.cell_height},
+                   .short_of = distance(nearest),
+                   .by = obstruction(table, cells, next, heading)};
+  }
+  return std::nullopt;
+}
+
 }  // namespace gonogo::map

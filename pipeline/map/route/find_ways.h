@@ -42,4 +42,9 @@ std::vector<std::pair<RouteCost, std::optional<FoundWay>>> find_ways(const Route
                                                                      const SoilTable& table, const RouteCells& cells,
                                                                      const AllCosts& costs);
 
+/// For places between which no way leads: how far eight-directional steps come, and what the next one meets. Nothing
+/// where they reach every place.
+std::optional<DeadEnd> find_dead_end(const RouteRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
+                                     const RouteCells& cells, const RouteCosts& costs);
+
 }  // namespace gonogo::map

@@ -148,9 +148,12 @@ RouteResult plan_route(const RouteRequest& request) {
                      .cells = cells.soil.size(),
                      .eight_directions = request.eight_directions,
                      .ways = {},
+                     .dead_end = {},
                      .regions = {},
                      .files = {}};
   if (request.to) result.ways = find_ways(request, grid, table, cells, costs);
+  if (std::any_of(result.ways.begin(), result.ways.end(), [](const auto& way) { return !way.second; }))
+    result.dead_end = find_dead_end(request, grid, table, cells, costs.begin()->second);
   std::vector<FoundWay> found;
   for (const auto& [cost, way] : result.ways)
     if (way) found.push_back(*way);
@@ -232,6 +235,9 @@ Json route_json(const RouteResult& result) {
     routes.push_back(entry);
   }
   json["routes"] = routes;
+  if (const auto& end = result.dead_end)
+    json["dead_end"] = Json::Object{
+        {"place", Json::Array{end->place.x, end->place.y}}, {"short_of_m", end->short_of}, {"by", end->by}};
   if (const auto& regions = result.regions)
     json["regions"] =
         Json::Object{{"count", regions->count}, {"largest_km2", regions->largest}, {"passable_km2", regions->passable}};
@@ -260,6 +266,10 @@ std::string route_text(const RouteResult& result) {
       text += line("              with a chance of %.2f some soil on it is unlike all that was simulated\n",
                    way->passage.not_sampled);
   }
+  if (const auto& end = result.dead_end)
+    text += line("the nearest place that can be reached is %.10g,%.10g, %.0f m short; beyond it lies ", end->place.x,
+                 end->place.y, end->short_of) +
+            end->by + "\n";
   if (result.regions)
     text += line("%.0f connected regions; the largest holds %.4g of %.4g km2 that some heading passes\n",
                  double(result.regions->count), result.regions->largest, result.regions->passable);

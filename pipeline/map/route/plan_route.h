@@ -68,11 +68,19 @@ struct ConnectedRegions {
   double largest = 0, passable = 0;  // area of the largest, of all [km2]
 };
 
+/// Where a journey ends that has no way on.
+struct DeadEnd {
+  Place place{};        // reachable, and nearest to the place that is not
+  double short_of = 0;  // [m] from there
+  std::string by{};     // what stops it
+};
+
 struct RouteResult {
   std::string crs;
   std::uint64_t cells = 0;
   bool eight_directions = false;
   std::vector<std::pair<RouteCost, std::optional<FoundWay>>> ways;  // by each cost asked for; nothing: there is none
+  std::optional<DeadEnd> dead_end{};                                // where there is no way
   std::optional<ConnectedRegions> regions;                          // where they were asked for
   std::vector<std::filesystem::path> files;
 };
@@ -82,7 +90,8 @@ RouteResult plan_route(const RouteRequest& request);
 
 /// { crs, cells, directions, routes: [{ cost, found, length_m, risk, time_s, energy_j, chance, chance_error,
 /// stuck_places, not_sampled, weakest: { from_km, to_km, stuck, reason, soil, slope_along_deg, slope_across_deg },
-/// corners, turned_degrees, turning_m }], regions: { count, largest_km2, passable_km2 }, files }.
+/// corners, turned_degrees, turning_m }], dead_end: { place, short_of_m, by }, regions: { count, largest_km2,
+/// passable_km2 }, files }.
 Json route_json(const RouteResult& result);
 std::string route_text(const RouteResult& result);
 /// "km 2.31 to 2.48: no traction in 12 % of the draws, loam, 14 degrees along and 3 across".

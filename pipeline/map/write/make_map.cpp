@@ -45,6 +45,26 @@ std::string map_title(const MapRequest& request) {
   return request.model.vehicle.empty() ? request.region.name : request.model.vehicle;
 }
 
+std::string conditions_text(const MapRequest& request) {
+  const std::vector<Soil>& soils = request.region.soils;
+  std::string text = soils.empty()       ? "soil by its ranges"
+                     : soils.size() == 1 ? soils.front().name
+                                         : std::to_string(soils.size()) + " soils";
+  if (!request.rules.moisture.empty())
+    text += ", " + request.rules.moisture;
+  else if (request.region.moisture)
+    text += ", moisture by a raster";
+  text += "; " + heading_text(request.rules);
+  for (const auto& [name, spread] : request.rules.values) {
+    const campaign::Variable& variable = campaign::contract().variables[campaign::contract().variable_index(name)];
+    text += "; " + name + " " + number_text(spread.low) +
+            (spread.low == spread.high ? "" : " to " + number_text(spread.high)) + " " + variable.unit;
+  }
+  if (std::isfinite(request.rules.max_speed))
+    text += "; at most " + number_text(kKmPerHour * request.rules.max_speed) + " km/h";
+  return text;
+}
+
 Json rules_json(const MapRules& rules) {
   Json json = Json::Object{{"go", rules.go},
                            {"no_go", rules.no_go},

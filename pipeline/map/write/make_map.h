@@ -50,6 +50,9 @@ std::string vehicle_text(const OutcomeModel& model);
 /// Title of page and figure: the vehicle's name, or the region's where the vehicle is not known.
 std::string map_title(const MapRequest& request);
 
+/// What holds on all of the map: "sand, dry; uphill heading; payload 500 kg".
+std::string conditions_text(const MapRequest& request);
+
 /// Pairs (role, hash) for every raster of a region. A raster of several files, or a VRT, is hashed over all of them.
 std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region);
 

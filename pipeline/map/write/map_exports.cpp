@@ -177,8 +177,8 @@ void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, c
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path) {
   report::MapFigure figure;
   figure.title = (request.model.vehicle.empty() ? "" : request.model.vehicle + ", ") + request.region.name;
-  figure.subtitle = "Go/NoGo map of " + vehicle_text(request.model) + ", " + heading_text(request.rules) + ", " +
-                    request.rules.fidelity;
+  figure.subtitle =
+      "Go/NoGo map of " + vehicle_text(request.model) + "; " + conditions_text(request) + "; " + request.rules.fidelity;
   figure.grid = grid;
   figure.shade = picture.shade;
   figure.verdict = picture.verdict;

@@ -491,7 +491,8 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   std::vector<Blob> blobs = cell_blobs(cells, heights);
   Json meta, soils = Json::array();
   meta["title"] = map_title(request);
-  meta["subtitle"] = "Go/NoGo map of " + request.region.name + "; " + request.rules.fidelity;
+  meta["subtitle"] =
+      "Go/NoGo map of " + request.region.name + "; " + conditions_text(request) + "; " + request.rules.fidelity;
   meta["about"] = request.region.about.empty() ? request.region.name : request.region.about;
   meta["grid"] = grid_json(grid);
   meta["degrees"] = degrees_json(grid);
