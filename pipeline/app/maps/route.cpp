@@ -42,8 +42,8 @@ void find_routes(const Globals& globals, const RouteOptions& options) {
   const bool all = std::all_of(result.ways.begin(), result.ways.end(), [](const auto& way) { return way.second; });
   if (all) return print_result(globals, map::route_json(result), map::route_text(result));
   fail_with_result(globals, map::route_json(result), map::route_text(result),
-                   DeviceError("route: there is no way between these places; gonogo route --regions shows what hangs "
-                               "together"));
+                   DeviceError("route: no way leads there" +
+                               (result.dead_end ? "; " + dead_end_text(*result.dead_end) : std::string())));
 }
 
 }  // namespace

@@ -246,6 +246,12 @@ Json route_json(const RouteResult& result) {
   return json;
 }
 
+std::string dead_end_text(const DeadEnd& end) {
+  return line("the nearest place that can be reached is %.10g,%.10g, %.0f m short; beyond it lies ", end.place.x,
+              end.place.y, end.short_of) +
+         end.by;
+}
+
 std::string route_text(const RouteResult& result) {
   std::string text;
   for (const auto& [cost, way] : result.ways) {
@@ -266,10 +272,6 @@ std::string route_text(const RouteResult& result) {
       text += line("              with a chance of %.2f some soil on it is unlike all that was simulated\n",
                    way->passage.not_sampled);
   }
-  if (const auto& end = result.dead_end)
-    text += line("the nearest place that can be reached is %.10g,%.10g, %.0f m short; beyond it lies ", end->place.x,
-                 end->place.y, end->short_of) +
-            end->by + "\n";
   if (result.regions)
     text += line("%.0f connected regions; the largest holds %.4g of %.4g km2 that some heading passes\n",
                  double(result.regions->count), result.regions->largest, result.regions->passable);

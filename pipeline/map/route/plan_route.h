@@ -94,6 +94,8 @@ RouteResult plan_route(const RouteRequest& request);
 /// passable_km2 }, files }.
 Json route_json(const RouteResult& result);
 std::string route_text(const RouteResult& result);
+/// A clause without a full stop.
+std::string dead_end_text(const DeadEnd& end);
 /// "km 2.31 to 2.48: no traction in 12 % of the draws, loam, 14 degrees along and 3 across".
 std::string weakest_text(const StuckStretch& stretch);
 /// What a way costs, and the chance to get through, by name.
