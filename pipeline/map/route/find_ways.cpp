@@ -208,7 +208,7 @@ std::string obstruction(const SoilTable& table, const RouteCells& cells, std::si
   const double slope = cells.slope[cell] / double(kSlopeSteps), psi = fall_line_angle(heading, cells.aspect[cell]);
   const CellClass& result = table.responses[soil].at(slope, psi).result;
   const auto& contract = campaign::contract();
-  return contract.verdicts[std::size_t(result.verdict)].name + " for " + contract.info(result.reason).label +
+  return contract.info(result.verdict).label + " for " + contract.info(result.reason).label +
          line(" on %s at %.0f degrees of slope", table.soils[soil].name.c_str(), slope);
 }
 
