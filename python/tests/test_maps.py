@@ -102,7 +102,7 @@ def test_the_same_ground_handed_over_in_any_way_makes_the_same_map(hill, tmp_pat
     ways = {}
     with rasterio.open(tmp_path / "holes.tif") as raster:
         ways["masked"] = dict(dem=raster.read(1, masked=True), crs=raster.crs, transform=raster.transform)
-        upside_down = raster.transform * rasterio.Affine(1, 0, 0, 0, -1, ROWS)
+        upside_down = raster.transform @ rasterio.Affine(1, 0, 0, 0, -1, ROWS)
         ways["south up"] = dict(dem=raster.read(1, masked=True)[::-1], crs=raster.crs, transform=upside_down)
     with rioxarray.open_rasterio(tmp_path / "holes.tif") as array:
         array.load()
