@@ -25,6 +25,11 @@ void install_cancel_handler() {
   std::signal(SIGINT, request);
   std::signal(SIGTERM, request);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes then fails the write, which is told in a sentence
+  sigset_t signals;               // a program that this one replaced may have held them back
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  sigprocmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
 bool cancel_requested() { return requested != 0; }

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -23,7 +24,17 @@ const CommandEntry& entry_of(const CLI::App& command) {
   throw DeviceError(top->get_name() + ": is in no line of CMakeLists.txt");
 }
 
+/// From here on SIGINT and SIGTERM wait until install_cancel_handler() of the next program takes them.
+void hold_cancel_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  sigprocmask(SIG_BLOCK, &signals, nullptr);
+}
+
 [[noreturn]] void continue_in(const std::string& program, const Globals& globals) {
+  hold_cancel_signals();
   stop_if_cancelled();
   const fs::path self = fs::read_symlink("/proc/self/exe");
   fs::path file = self.parent_path() / program;
