@@ -116,7 +116,7 @@ def _elevation_file(dem: Any, crs: Any, transform: Any, folder: Path) -> str:
         return os.path.abspath(dem)
     if hasattr(dem, "read") and hasattr(dem, "name"):  # rasterio
         if os.path.isfile(dem.name):
-            return os.path.abspath(dem.name)
+            return os.path.abspath(str(dem.name))
         ground = _of_rasterio(dem)
     elif hasattr(dem, "rio"):  # xarray with rioxarray
         ground = _of_xarray(dem)
