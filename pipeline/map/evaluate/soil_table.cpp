@@ -31,6 +31,26 @@ SoftPoints soft_in(const OutcomeModel& model, const Region& region, const Soil& 
   return soft_points(region, soil, points, model.cone_index);
 }
 
+/// Points of a soil with their alternatives.
+struct SoilDraws {
+  std::vector<std::vector<double>> points;
+  std::vector<int> alternative;  // empty: all belong to one
+};
+
+/// Where a high cone index was measured, those whose estimated one does not contradict it; all, where every one does.
+SoilDraws consistent(const OutcomeModel& model, const Region& region, const Soil& soil, Measured measured,
+                     const SoilDraws& all) {
+  if (measured != Measured::firm) return all;
+  const SoftPoints soft = soft_points(region, soil, all.points, model.cone_index);
+  SoilDraws kept;
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    if (soft.is_soft[i]) continue;
+    kept.points.push_back(all.points[i]);
+    if (!all.alternative.empty()) kept.alternative.push_back(all.alternative[i]);
+  }
+  return kept.points.empty() ? all : kept;
+}
+
 /// Adds a soil with softness by cohesion and friction angle. If the region has measured cone indices, adds it twice
 /// more: for cells whose index is high enough, and for those below VCI50.
 void add_soil(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
@@ -42,9 +62,11 @@ void add_soil(const OutcomeModel& model, const Region& region, const MapRules& r
   const auto add = [&](Measured measured, const char* name) {
     Soil entry = soil;
     entry.name += name;
+    const SoilDraws draws =
+        consistent(model, region, soil, measured, {points, point_alternatives(soil, points.size())});
+    SoftPoints soft = soft_in(model, region, soil, measured, draws.points);
     table.add(std::move(entry), state, may_be_soft, measured,
-              SoilResponse(model, own, points, error_of_gradient, soft_in(model, region, soil, measured, points),
-                           point_alternatives(soil, points.size())));
+              SoilResponse(model, own, draws.points, error_of_gradient, std::move(soft), draws.alternative));
   };
   add(Measured::nothing, "");
   if (!has_cone_index(region) || !may_be_soft) return;

@@ -238,6 +238,20 @@ TEST_CASE("a cone index of all of the ground decides as a raster of it does") {
   }
 }
 
+TEST_CASE("a high cone index rules out the moistures that it contradicts") {
+  const TemporaryFolder folder;
+  make_ground(folder);
+  MapRequest request = request_of(folder, usda_soils("clay loam, wet"));
+  Soil clay = named_soil("CL", "");  // its wet state is always too soft
+  clay.code = 1;
+  request.region.soils[0] = clay;
+  make_map(request);
+  CHECK(layer(folder, "go").at(5, 5) == int(Verdict::unknown));
+  request.region.cone_index_everywhere = 60 * kPsi;
+  make_map(request);
+  CHECK(layer(folder, "go").at(5, 5) == int(Verdict::go));
+}
+
 TEST_CASE("cone indices without a vehicle or a unit, and textures that nobody knows, are refused") {
   const TemporaryFolder folder;
   make_ground(folder);
