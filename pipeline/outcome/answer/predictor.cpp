@@ -67,59 +67,17 @@ void check_contract(const learning::Model& model, const std::string& source) {
                      ": was trained with other variables or outcomes than this program's contract; train again");
 }
 
-namespace {
-
-/// Squared distance in units of the sampled ranges, mean over the variables that both points know and that vary.
-double scaled_distance(const learning::Model& model, std::span<const double> a, std::span<const double> b) {
-  double sum = 0, count = 0;
-  for (std::size_t v = 0; v < a.size(); ++v) {
-    const double width = model.sampled_upper[v] - model.sampled_lower[v];
-    if (width <= 0 || std::isnan(a[v]) || std::isnan(b[v])) continue;
-    const double d = (a[v] - b[v]) / width;
-    sum += d * d;
-    count += 1;
-  }
-  return count > 0 ? std::sqrt(sum / count) : 0;
-}
-
-double nearest_distance(const learning::Model& model, std::span<const double> point, std::size_t skip) {
-  const std::size_t variables = model.layout.variable_count();
-  double nearest = INFINITY;
-  for (std::size_t n = 0; n < model.training_outcomes.size(); ++n) {
-    if (n == skip) continue;
-    const auto other = std::span(model.training_points).subspan(n * variables, variables);
-    nearest = std::min(nearest, scaled_distance(model, point, other));
-  }
-  return nearest;
-}
-
-/// Median over trials of the distance to the nearest other trial at another point (replicates share one).
-double typical_distance(const learning::Model& model) {
-  const std::size_t variables = model.layout.variable_count();
-  std::vector<double> distances;
-  for (std::size_t n = 0; n < model.training_outcomes.size(); ++n) {
-    const auto point = std::span(model.training_points).subspan(n * variables, variables);
-    const double distance = nearest_distance(model, point, n);
-    if (distance > 0 && std::isfinite(distance)) distances.push_back(distance);
-  }
-  if (distances.empty()) return 1;
-  std::nth_element(distances.begin(), distances.begin() + std::ptrdiff_t(distances.size() / 2), distances.end());
-  return distances[distances.size() / 2];
-}
-
-}  // namespace
-
 Predictor Predictor::read(const std::filesystem::path& model_file) {
   return Predictor(read_contract_model(model_file));
 }
 
 Predictor::Predictor(learning::Model model)
     : model_(std::make_shared<const learning::Model>(std::move(model))),
-      posterior_(model_->layout, model_->weights, model_->input_prior) {
+      posterior_(model_->layout, model_->weights, model_->input_prior),
+      novelty_(*model_) {
   check_contract(*model_, "model");
   const std::vector<int> passable = passable_outcomes();
   go_weight_.assign(passable.begin(), passable.end());
-  typical_distance_ = typical_distance(*model_);
 }
 
 std::vector<double> Predictor::outcome_probabilities(std::span<const double> variables) const {
@@ -217,10 +175,6 @@ std::string Predictor::outside_variable(std::span<const double> variables) const
 
 bool Predictor::inside_sampled_box(std::span<const double> variables) const {
   return outside_variable(variables).empty();
-}
-
-double Predictor::novelty(std::span<const double> variables) const {
-  return nearest_distance(*model_, variables, SIZE_MAX) / typical_distance_;
 }
 
 }  // namespace gonogo::outcome

@@ -13,6 +13,7 @@
 #include "learning/model/model.h"
 #include "learning/model/posterior.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/outcome/answer/novelty.h"
 
 namespace gonogo::outcome {
 
@@ -61,9 +62,8 @@ class Predictor {
   bool inside_sampled_box(std::span<const double> variables) const;
   /// Name of the first variable outside its sampled range, or "".
   std::string outside_variable(std::span<const double> variables) const;
-  /// Distance to the nearest trial over the known variables, in units of the sampled ranges. It is divided by the
-  /// median distance between neighbouring trials: 0 on a trial, about 1 where trials are as dense as on average.
-  double novelty(std::span<const double> variables) const;
+  /// Distance from the trials; see Novelty::of.
+  double novelty(std::span<const double> variables) const { return novelty_.of(variables); }
 
   const learning::Model& model() const { return *model_; }
 
@@ -76,7 +76,7 @@ class Predictor {
   std::shared_ptr<const learning::Model> model_;
   learning::Posterior posterior_;
   std::vector<double> go_weight_;  // [outcome count]: 1 for go and slow_go
-  double typical_distance_ = 1;
+  Novelty novelty_;
 };
 
 }  // namespace gonogo::outcome
