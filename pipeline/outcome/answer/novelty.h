@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "base/math/pack.h"
 #include "learning/model/model.h"
 
 namespace gonogo::outcome {
@@ -19,17 +20,24 @@ class Novelty {
 
  private:
   static constexpr std::size_t kNone = ~std::size_t(0);
-  /// `skip`: a trial that does not count.
-  double nearest(std::span<const double> point, std::size_t skip) const;
-  double median_of_neighbours(const learning::Model& model) const;
-
+  /// A variable that the trials vary. `scaled`: values over the width of the range, in blocks of eight; rest infinite.
   struct Axis {
     std::size_t variable;
-    double width;               // of the sampled range
-    std::vector<double> trial;  // [trial]
+    double width;
+    std::vector<Pack> scaled;
   };
+
+  /// `skip`: a trial that does not count.
+  double nearest(std::span<const double> point, std::size_t skip) const;
+  std::size_t nearest_trial(std::span<const double> point, std::size_t skip) const;
+  double distance(std::span<const double> point, std::size_t trial) const;
+  double median_of_neighbours() const;
+  std::span<const double> trial(std::size_t n) const { return std::span(points_).subspan(n * variables_, variables_); }
+
+  std::size_t variables_, trials_;
+  std::vector<double> points_;  // [trial x variable]
   std::vector<Axis> axis_;
-  std::size_t trials_;
+  bool complete_ = true;  // the trials know every variable that they vary
   double typical_ = 1;
 };
 
