@@ -18,11 +18,11 @@ std::string planes(const std::vector<std::uint16_t>& value, int bits) {
   return bytes;
 }
 
-std::string deflated(const std::string& bytes) {
+std::string deflated(const std::string& bytes, int level) {
   uLongf size = compressBound(uLong(bytes.size()));
   std::string out(size, '\0');
   const int status = compress2(reinterpret_cast<Bytef*>(out.data()), &size,
-                               reinterpret_cast<const Bytef*>(bytes.data()), uLong(bytes.size()), 6);
+                               reinterpret_cast<const Bytef*>(bytes.data()), uLong(bytes.size()), level);
   if (status != Z_OK) throw DeviceError("page: zlib could not compress (status " + std::to_string(status) + ")");
   out.resize(size);
   return out;
@@ -49,17 +49,21 @@ std::vector<std::uint16_t> filtered(const Blob& blob, BlobFilter filter) {
 
 std::string blob_element(const Blob& blob) {
   GONOGO_ASSERT(blob.bits == 8 || blob.bits == 16);
+  constexpr int fastest = 1, usual = 6;
   std::string best;
-  int best_filter = 0;
+  std::size_t best_size = SIZE_MAX;
+  BlobFilter best_filter = BlobFilter::none;
   for (const BlobFilter filter : {BlobFilter::none, BlobFilter::left, BlobFilter::plane, BlobFilter::mean}) {
-    std::string bytes = deflated(planes(filtered(blob, filter), blob.bits));
-    if (!best.empty() && bytes.size() >= best.size()) continue;
+    std::string bytes = planes(filtered(blob, filter), blob.bits);
+    const std::size_t size = deflated(bytes, fastest).size();
+    if (size >= best_size) continue;
     best = std::move(bytes);
-    best_filter = int(filter);
+    best_size = size;
+    best_filter = filter;
   }
   return "<script type=\"application/x-gonogo\" id=\"" + blob.name + "\" data-bits=\"" + std::to_string(blob.bits) +
-         "\" data-width=\"" + std::to_string(blob.width) + "\" data-filter=\"" + std::to_string(best_filter) + "\">" +
-         base64(best) + "</script>\n";
+         "\" data-width=\"" + std::to_string(blob.width) + "\" data-filter=\"" + std::to_string(int(best_filter)) + "\">" +
+         base64(deflated(best, usual)) + "</script>\n";
 }
 
 std::string script_safe(const Json& json) {

@@ -9,7 +9,8 @@
 namespace gonogo::map {
 
 /// How a value is predicted from its neighbours in the row-by-row array. Only the difference is stored. The prediction
-/// is 0, left, left + up - corner or (left + up) / 2. blob_element() takes the filter that deflates best.
+/// is 0, left, left + up - corner or (left + up) / 2. blob_element() takes the filter that deflates best at the fastest
+/// level.
 enum class BlobFilter { none = 0, left = 1, plane = 2, mean = 3 };
 
 /// An array as the page stores it: filtered, deflated, base64.
