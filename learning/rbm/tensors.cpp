@@ -161,7 +161,7 @@ torch::Tensor negative_free_energy(const Machine& m, const torch::Tensor& inputs
 }
 
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
-                        const TrainingSettings& settings, std::size_t table_rows) {
+                        const TrainingSettings& settings, std::size_t table_rows, double trial_share) {
   const torch::Tensor label = rows.outcome.unsqueeze(1);
   const double count = double(rows.outcome.size(0));
   torch::Tensor loss = (machine.weight.square().sum() + machine.hidden_bias().square().sum()) *
@@ -177,7 +177,7 @@ torch::Tensor objective(const Machine& machine, const RowTensors& rows, const to
     const torch::Tensor field = torch::matmul(negative, machine.weight) + machine.hidden_bias();
     const torch::Tensor model =
         (torch::softplus(field).sum(1) + torch::matmul(negative, machine.visible_bias())).mean();
-    loss = loss - settings.generative * (data - model);
+    loss = loss - settings.generative * (trial_share * data - model);
   }
   return loss;
 }
@@ -215,13 +215,51 @@ torch::Tensor smooth_units(const VisibleLayout& layout, const std::vector<double
 
 }  // namespace
 
-TeachingTerm::TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device)
+std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingTable& table) {
+  const std::size_t variables = table.variable_count;
+  std::vector<double> low(variables, INFINITY), high(variables, -INFINITY);
+  for (std::size_t n = 0; n < table.row_count(); ++n)
+    for (std::size_t v = 0; v < variables; ++v) {
+      low[v] = std::fmin(low[v], table.row(n)[v]);
+      high[v] = std::fmax(high[v], table.row(n)[v]);
+    }
+  std::vector<std::size_t> inside;
+  for (std::size_t k = 0; k < teaching.probability.size(); ++k) {
+    bool is_inside = true;
+    for (std::size_t v = 0; v < variables; ++v) {
+      const double x = teaching.points[k * variables + v];
+      is_inside = is_inside && (low[v] > high[v] || (x >= low[v] && x <= high[v]));
+    }
+    if (is_inside) inside.push_back(k);
+  }
+  return inside;
+}
+
+TeachingTerm::TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device,
+                           const TrainingTable* table)
     : weight_(teaching.weight) {
   check(layout, teaching);
   smooth_ = smooth_units(layout, teaching.points).to(device);
   probability_ = torch::tensor(teaching.probability, torch::kFloat64).to(device);
   passes_ = mask(teaching.label, 1).to(device);
   fails_ = mask(teaching.label, 0).to(device);
+  if (teaching.joint_share > 0 && table) take_joint(layout, teaching, points_in_box(teaching, *table));
+}
+
+void TeachingTerm::take_joint(const VisibleLayout& layout, const Teaching& teaching,
+                              const std::vector<std::size_t>& points) {
+  if (points.empty()) return;
+  const std::size_t variables = layout.variable_count();
+  std::vector<double> words, probability;
+  std::vector<Bit> units(layout.input_unit_count());
+  for (const std::size_t k : points) {
+    layout.encode(std::span(teaching.points).subspan(k * variables, variables), units);
+    words.insert(words.end(), units.begin(), units.end());
+    probability.push_back(teaching.probability[k]);
+  }
+  joint_share_ = teaching.joint_share;
+  joint_rows_ = matrix(words, std::int64_t(points.size()), std::int64_t(units.size())).to(smooth_.device());
+  joint_probability_ = torch::tensor(probability, torch::kFloat64).to(smooth_.device());
 }
 
 torch::Tensor TeachingTerm::over(const Machine& machine, const torch::Tensor& smooth,
@@ -231,12 +269,31 @@ torch::Tensor TeachingTerm::over(const Machine& machine, const torch::Tensor& sm
   return weight_ * (total - probability * passes - (1 - probability) * fails).mean();
 }
 
+namespace {
+
+/// The first of the next `count` of `size` points, which follow each other around; `next` moves on.
+std::int64_t first_of_next(std::int64_t& next, std::int64_t count, std::int64_t size) {
+  if (next + count > size) next = 0;
+  const std::int64_t first = next;
+  next += count;
+  return first;
+}
+
+}  // namespace
+
 torch::Tensor TeachingTerm::next(const Machine& machine, std::size_t count) {
-  const std::int64_t points = smooth_.size(0), wanted = std::min(std::int64_t(count), points);
-  if (next_ + wanted > points) next_ = 0;
-  const std::int64_t first = next_;
-  next_ += wanted;
+  const std::int64_t wanted = std::min(std::int64_t(count), smooth_.size(0));
+  const std::int64_t first = first_of_next(next_, wanted, smooth_.size(0));
   return over(machine, smooth_.slice(0, first, next_), probability_.slice(0, first, next_));
+}
+
+torch::Tensor TeachingTerm::next_joint(const Machine& machine, double generative, std::size_t count) {
+  const std::int64_t wanted = std::min(std::int64_t(count), joint_rows_.size(0));
+  const std::int64_t first = first_of_next(next_joint_, wanted, joint_rows_.size(0));
+  const torch::Tensor scores = negative_free_energy(machine, joint_rows_.slice(0, first, next_joint_));
+  const torch::Tensor passes = torch::logsumexp(scores + passes_, 1), fails = torch::logsumexp(scores + fails_, 1);
+  const torch::Tensor probability = joint_probability_.slice(0, first, next_joint_);
+  return -joint_share_ * generative * (probability * passes + (1 - probability) * fails).mean();
 }
 
 torch::Tensor TeachingTerm::all(const Machine& machine) const { return over(machine, smooth_, probability_); }

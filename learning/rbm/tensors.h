@@ -65,27 +65,40 @@ torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std
 /// -F(v, y) for every row of code units and every outcome: [row x outcome]; one column in a machine without outcomes.
 torch::Tensor negative_free_energy(const Machine& machine, const torch::Tensor& inputs);
 
-/// L of train.h; negative: [row x visible], or undefined without a generative term. table_rows is N.
+/// L of train.h; negative: [row x visible], or undefined without a generative term. table_rows is N. trial_share: of
+/// the second term's data, 1 - r.
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
-                        const TrainingSettings& settings, std::size_t table_rows);
+                        const TrainingSettings& settings, std::size_t table_rows, double trial_share = 1);
+
+/// The points of a teaching that lie between the least and the largest known value of every variable of the table, as
+/// indices.
+std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingTable& table);
 
 /// The teacher's term of the objective.
 class TeachingTerm {
  public:
   /// Throws InputError if the points do not match the layout, a probability lies outside [0, 1], or a class has no
   /// outcome.
-  TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device = torch::kCPU);
+  /// `table`: the trials, whose box holds the points of the joint share; none is needed without one.
+  TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device = torch::kCPU,
+               const TrainingTable* table = nullptr);
   /// The term over the next `count` points, which follow each other around.
   torch::Tensor next(const Machine& machine, std::size_t count);
   /// The term over all points.
   torch::Tensor all(const Machine& machine) const;
+  /// The share of these points in the data of the second term: - r g mean sum_c q_k(c) (-F(x_k, c)), over the next
+  /// `count` points inside the box. Called when the share is above 0.
+  torch::Tensor next_joint(const Machine& machine, double generative, std::size_t count);
+  double joint_share() const { return joint_share_; }
 
  private:
   torch::Tensor over(const Machine& machine, const torch::Tensor& smooth, const torch::Tensor& probability) const;
-  double weight_;
-  torch::Tensor smooth_, probability_;  // [point x input unit], [point]
-  torch::Tensor passes_, fails_;        // [outcome]: 0 for the outcomes of the class, minus infinity for all others
-  std::int64_t next_ = 0;
+  void take_joint(const VisibleLayout& layout, const Teaching& teaching, const std::vector<std::size_t>& points);
+  double weight_, joint_share_ = 0;
+  torch::Tensor smooth_, probability_;           // [point x input unit], [point]
+  torch::Tensor joint_rows_, joint_probability_;  // the same of code words inside the box
+  torch::Tensor passes_, fails_;  // [outcome]: 0 for the outcomes of the class, minus infinity for all others
+  std::int64_t next_ = 0, next_joint_ = 0;
 };
 
 }  // namespace gonogo::learning

@@ -14,27 +14,29 @@ namespace gonogo::learning {
 namespace {
 
 /// Streams of random numbers under one seed.
-enum Stream : std::uint64_t { kInitial = 1, kCompletions = 3, kBatches = 1000 };  // 2: the negative phase
+enum Stream : std::uint64_t { kInitial = 1, kCompletions = 3, kBalance = 4, kBatches = 1000 };  // 2: the negative phase
 
-/// Number of rows with each unit on, and with its variable known: [unit]. Units of the outcome come last.
+/// Number or total weight of rows with each unit on, and with its variable known: [unit]. Units of the outcome come
+/// last.
 struct UnitCounts {
   std::vector<double> on, known;
 };
 
-UnitCounts count_units(const VisibleLayout& layout, const TrainingTable& table) {
+UnitCounts count_units(const VisibleLayout& layout, const TrainingTable& table, bool weighed = false) {
   UnitCounts counts{std::vector<double>(layout.unit_count(), 0.0), std::vector<double>(layout.unit_count(), 0.0)};
   std::vector<Bit> units(layout.input_unit_count());
   const std::size_t inputs = layout.input_unit_count();
   for (std::size_t n = 0; n < table.row_count(); ++n) {
     layout.encode(table.row(n), units);
+    const double weight = weighed ? table.weight[n] : 1;
     for (std::size_t v = 0; v < layout.variable_count(); ++v) {
       if (std::isnan(table.row(n)[v])) continue;
       for (std::size_t i = layout.offset(v); i < layout.offset(v + 1); ++i) {
-        counts.on[i] += units[i];
-        counts.known[i] += 1;
+        counts.on[i] += weight * units[i];
+        counts.known[i] += weight;
       }
     }
-    if (inputs < counts.on.size()) counts.on[inputs + table.outcome[n]] += 1;
+    if (inputs < counts.on.size()) counts.on[inputs + table.outcome[n]] += weight;
   }
   return counts;
 }
@@ -128,7 +130,7 @@ class Run {
         machine_(start, layout.input_unit_count(), torch_device(settings.gradients)),
         optimizer_(make_optimizer(machine_, settings)),
         negative_(layout, settings, sampler, start.visible_bias) {
-    if (teaching && teaching->weight > 0) teaching_.emplace(layout, *teaching, machine_.device());
+    if (teaching && teaching->weight > 0) teaching_.emplace(layout, *teaching, machine_.device(), &table);
     if (!settings.masked.empty()) coupled_ = coupled_weights(settings, start).to(machine_.device());
     mask_weights();
     if (settings.centred) centre_on_table();
@@ -152,8 +154,11 @@ class Run {
     torch::Tensor drawn;
     if (settings_.generative > 0) drawn = negative_.draw(machine_.weights(), data).to(machine_.device());
     optimizer_->zero_grad();
-    torch::Tensor loss = objective(machine_, rows, drawn, settings_, table_.row_count());
+    const double joint_share = teaching_ ? teaching_->joint_share() : 0;
+    torch::Tensor loss = objective(machine_, rows, drawn, settings_, table_.row_count(), 1 - joint_share);
     if (teaching_) loss = loss + teaching_->next(machine_, row_numbers.size());
+    if (joint_share > 0 && settings_.generative > 0)
+      loss = loss + teaching_->next_joint(machine_, settings_.generative, std::max(row_numbers.size(), kJointPoints));
     loss.backward();
     optimizer_->step();
     mask_weights();
@@ -175,6 +180,7 @@ class Run {
     machine_.move_means(data.mean(0), hidden_means(machine_, data));
   }
 
+  static constexpr std::size_t kJointPoints = 64;  // of an update, at least
   static constexpr double kSlide = 0.01;  // share of the minibatch in the sliding mean of the hidden units
   const VisibleLayout& layout_;
   const TrainingTable& table_;
@@ -218,6 +224,55 @@ TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table
   }
   result.weights = run.weights();
   return result;
+}
+
+namespace {
+
+/// Mean of the input units over the rows of the table, and over the taught points as far as they share.
+std::vector<double> wanted_inputs(const VisibleLayout& layout, const TrainingTable& table, const Teaching* teaching) {
+  const UnitCounts counts = count_units(layout, table, true);
+  std::vector<double> wanted(layout.input_unit_count());
+  for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = counts.known[i] > 0 ? counts.on[i] / counts.known[i] : 0;
+  if (!teaching || teaching->joint_share == 0) return wanted;
+  const std::vector<std::size_t> points = points_in_box(*teaching, table);
+  if (points.empty()) return wanted;
+  const std::size_t variables = layout.variable_count();
+  for (double& x : wanted) x *= 1 - teaching->joint_share;
+  std::vector<Bit> units(wanted.size());
+  for (const std::size_t k : points) {
+    layout.encode(std::span(teaching->points).subspan(k * variables, variables), units);
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      wanted[i] += teaching->joint_share * units[i] / double(points.size());
+  }
+  return wanted;
+}
+
+}  // namespace
+
+RbmWeights balanced_inputs(const VisibleLayout& layout, const TrainingTable& table, RbmWeights weights,
+                           std::uint64_t seed, const Teaching* teaching) {
+  constexpr std::size_t kChains = 256, kRungs = 4, kBurnIn = 200, kSteps = 500;
+  constexpr double kRate = 1;
+  const std::vector<double> wanted = wanted_inputs(layout, table, teaching);
+  WordChains chains(kChains, kRungs, random_bits(seed, kBalance, 0));
+  std::vector<double> sum(wanted.size(), 0.0), mean(wanted.size());
+  std::vector<Bit> units(layout.unit_count());
+  for (std::size_t step = 0; step < kSteps; ++step) {
+    const WordMachine machine(layout, weights);
+    chains.run(machine, step == 0 ? kBurnIn : 1);
+    std::fill(mean.begin(), mean.end(), 0.0);
+    for (std::size_t c = 0; c < kChains; ++c) {
+      machine.write_units(chains.row(c), units);
+      for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += units[i] / double(kChains);
+    }
+    const double rate = kRate * double(kSteps - step) / double(kSteps);
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      weights.visible_bias[i] += rate * (wanted[i] - mean[i]);
+      if (step >= kSteps / 2) sum[i] += weights.visible_bias[i] / double(kSteps - kSteps / 2);
+    }
+  }
+  std::copy(sum.begin(), sum.end(), weights.visible_bias.begin());
+  return weights;
 }
 
 Objective training_objective(const RbmWeights& weights, const VisibleLayout& layout, const TrainingTable& table,

@@ -37,8 +37,12 @@ namespace gonogo::learning {
 ///   - t mean_k sum_c q_k(c) log P(c | x_k),   P(c | x) = sum of P(y | x) over the outcomes y of class c
 ///
 /// so that only the class is taught. Which outcome of a class it is stays with the trials.
+///
+/// A few trials say little of the joint distribution. So with a joint share r the rows of the second term's data are
+/// 1 - r of the trials and r of the points inside the box of the trials, there the mean of sum_c q_k(c) log P(x_k, c).
 struct Teaching {
   double weight = 0;                // t; 0: no teaching
+  double joint_share = 0;           // r in [0, 1]; needs points that are drawn from the distribution of the trials
   std::vector<double> points;       // [point x variable count], all known
   std::vector<double> probability;  // [point]: P(1 | x) by the teacher, in [0, 1]
   std::vector<int> label;           // [outcome]: its class, 0 or 1
@@ -62,6 +66,13 @@ using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weight
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
                          const Sampler& sampler, const EpochHook& hook = {}, const RbmWeights* start = nullptr,
                          const Teaching* teaching = nullptr);
+
+/// The same machine with other biases of the inputs, by which the words of every variable are as frequent among its own
+/// rows as in the table, or in the box of the trials as far as `teaching` shares in the joint distribution. These biases
+/// have no part in P(y | x), and training leaves them behind the weights. Robbins-Monro steps on rows of tempered
+/// chains; deterministic.
+RbmWeights balanced_inputs(const VisibleLayout& layout, const TrainingTable& table, RbmWeights weights,
+                           std::uint64_t seed, const Teaching* teaching = nullptr);
 
 /// L at fixed negative-phase rows, and its gradient by automatic differentiation, for tests with finite differences.
 struct Objective {

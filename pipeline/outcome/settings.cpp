@@ -118,6 +118,8 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
 
 namespace {
 
+constexpr std::size_t kManyUpdates = 7000, kFewUpdates = 2000;  // of the weights, by the number of trials
+
 /// Trials of a minibatch. Unless the study gives it, an epoch has at most 32 minibatches.
 std::size_t batch_size(const LearningSettings& settings, std::size_t trials) {
   constexpr std::size_t kMaxBatches = 32;
@@ -128,25 +130,26 @@ std::size_t batch_size(const LearningSettings& settings, std::size_t trials) {
 }  // namespace
 
 LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials) {
-  constexpr std::size_t kUpdates = 7000;
   learning::TrainingSettings& training = settings.training;
   const bool other_rows =
       settings.sampler != "block_gibbs" ||
       (settings.given.count("negative") && training.negative != learning::NegativePhaseKind::code_words);
-  if (trials < kManyTrials || other_rows) return settings;
-  const auto set = [&](const char* key, auto& value, auto many) {
-    if (!settings.given.count(key)) value = many;
+  if (other_rows) return settings;
+  const bool many = trials >= kManyTrials;
+  const auto set = [&](const char* key, auto& value, auto chosen) {
+    if (!settings.given.count(key)) value = chosen;
   };
   set("negative", training.negative, learning::NegativePhaseKind::code_words);
-  set("hidden", training.hidden, std::size_t(48));
+  set("hidden", training.hidden, std::size_t(many ? 48 : 24));
   set("generative", training.generative, 0.07);
-  set("weight_decay", training.weight_decay, 0.3);
+  set("weight_decay", training.weight_decay, many ? 0.3 : 1.0);
   set("chains", training.chains, std::size_t(256));
-  set("calibrate", settings.calibrate, true);
+  if (many) set("learning_rate", training.learning_rate, 0.05);
+  set("calibrate", settings.calibrate, many);
   set("sweeps", training.sweeps, std::size_t(1));
   set("final_learning_rate", training.final_learning_rate, 0.05);
   const std::size_t updates = std::max<std::size_t>(1, trials / batch_size(settings, trials));  // of an epoch
-  set("epochs", training.epochs, std::max<std::size_t>(1, kUpdates / updates));
+  set("epochs", training.epochs, std::max<std::size_t>(1, (many ? kManyUpdates : kFewUpdates) / updates));
   return settings;
 }
 

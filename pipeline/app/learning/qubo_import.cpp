@@ -31,15 +31,24 @@ std::string outcomes_text(const outcome::AnswerSummary& summary) {
   for (const outcome::AnswerSummary::Outcome& outcome : summary.outcomes) {
     text += line("%-24s %.4f +- %.4f", outcome.name.c_str(), outcome.frequency.mean, outcome.frequency.standard_error);
     if (!std::isnan(outcome.machine))
-      text += line("   machine's own %.4f, difference %+.1f standard errors", outcome.machine, outcome.difference);
+      text += line("   machine's own %.4f%s, difference %+.1f standard errors", outcome.machine,
+                   outcome.machine_error > 0 ? line(" +- %.4f", outcome.machine_error).c_str() : "",
+                   outcome.difference);
     text += "\n";
   }
   return text;
 }
 
+std::string temperature_text(const outcome::AnswerSummary& summary) {
+  if (!summary.temperature) return "";
+  const learning::BetaEstimate& beta = summary.temperature->beta;
+  return line("rows follow beta %.3f (95 %%: %.3f to %.3f); the problem means 1%s\n", beta.beta, beta.low, beta.high,
+              summary.temperature->verdict == "right" ? "" : ": WRONG TEMPERATURE, within --max-beta-error");
+}
+
 std::string bias_text(const outcome::AnswerSummary& summary) {
   if (summary.bias.verdict == "not checked")
-    return "the machine has too many hidden units to sum them: its own probabilities are not known exactly\n";
+    return "the machine's own probabilities are not known: units of different variables are coupled\n";
   if (summary.bias.verdict != "biased")
     return "no bias found: all outcomes agree with the machine's own probabilities\n";
   const auto worst = std::find_if(summary.outcomes.begin(), summary.outcomes.end(),
@@ -76,7 +85,7 @@ std::string import_text(const outcome::ImportedAnswer& answer) {
   for (const outcome::AnswerSummary::Variable& variable : summary.variables)
     text += line("%-24s %.4g +- %.2g, standard deviation %.4g %s\n", variable.name.c_str(), variable.mean,
                  variable.standard_error, variable.standard_deviation, variable.unit.c_str());
-  return text + bias_text(summary) + models_text(answer);
+  return text + temperature_text(summary) + bias_text(summary) + models_text(answer);
 }
 
 }  // namespace
@@ -111,6 +120,8 @@ void add_qubo_import(CLI::App& qubo, const SharedQubo& options, const Globals& g
   add_number(*command, "--min-reads", options->limits.reads, {0.0, 1e12}, "Refuse answers worth fewer reads");
   add_number(*command, "--min-share", options->limits.share, {0.0, 1.0},
              "Refuse answers worth a smaller share of their reads");
+  add_number(*command, "--max-beta-error", options->limits.temperature, {0.0, INFINITY},
+             "Refuse answers whose rows have an inverse temperature farther from 1; inf: take any rows");
   add_examples(*command, {"gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv"});
   command->callback([options, &globals] {
     outcome::ImportRequest request;

@@ -1,8 +1,11 @@
 #include "pipeline/outcome/qubo/code_machine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+
+#include "base/math/random.h"
 
 namespace gonogo::outcome {
 namespace {
@@ -123,19 +126,19 @@ double CodeMachine::log_all_words(const CodeGroup& group, std::span<const double
   return log_sum(log_weight);
 }
 
-CodeMachine::Given CodeMachine::given(std::span<const std::int8_t> row) const {
+CodeMachine::Given CodeMachine::given(std::span<const std::int8_t> row, double beta) const {
   Given result;
   for (std::uint32_t h : hidden_)
-    if (row[h] > 0) result.log_words -= problem_.linear[h];
+    if (row[h] > 0) result.log_words -= beta * problem_.linear[h];
   result.log_all = result.log_words;
   for (const CodeGroup& group : groups_) {
     const std::vector<double> field = fields(group, row);
     std::vector<double> log_word;
     for (const auto& word : group.word)
-      log_word.push_back(-word_energy(group, field, [&](std::size_t k) { return word[k] != 0; }));
+      log_word.push_back(-beta * word_energy(group, field, [&](std::size_t k) { return word[k] != 0; }));
     const double words = log_sum(log_word);
     result.log_words += words;
-    result.log_all += log_all_words(group, field);
+    if (beta == 1) result.log_all += log_all_words(group, field);
     auto& probability = result.probability.emplace_back();
     for (double x : log_word) probability.push_back(std::exp(x - words));
   }
@@ -172,6 +175,74 @@ std::optional<CodeMachine::Exact> CodeMachine::exact() const {
     for (double& p : group) p /= words;
   result.word_share = words / all;
   result.weighed_share = words / all * words / weighed;
+  return result;
+}
+
+template <class Uniform>
+void CodeMachine::sweep(std::span<std::int8_t> row, double beta, const Uniform& u) const {
+  const Given now = given(row, beta);
+  std::uint64_t draw = 0;
+  std::vector<double> field;
+  for (const std::uint32_t h : hidden_) field.push_back(problem_.linear[h]);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    std::size_t bin = 0;
+    for (double left = u(draw++) - now.probability[g][0]; left >= 0 && bin + 1 < groups_[g].word.size();)
+      left -= now.probability[g][++bin];
+    for (std::size_t k = 0; k < groups_[g].unit.size(); ++k) {
+      const std::uint32_t unit = groups_[g].unit[k];
+      row[unit] = std::int8_t(groups_[g].word[bin][k]);
+      if (row[unit] > 0)
+        for (std::size_t j = 0; j < field.size(); ++j) field[j] += coupling_[unit][j];
+    }
+  }
+  for (std::size_t j = 0; j < field.size(); ++j) row[hidden_[j]] = u(draw++) * (1 + std::exp(beta * field[j])) < 1;
+}
+
+std::vector<double> CodeMachine::chain_mean(const CodeGroup& outcome, std::uint64_t chain) const {
+  constexpr std::uint64_t kStream = 0x72656665;  // of random numbers
+  constexpr std::array<double, 4> kBeta = {0.25, 0.5, 0.75, 1};
+  constexpr std::size_t kBurnIn = 200, kSweeps = 800, kExchangeEvery = 4;
+  std::vector<std::vector<std::int8_t>> row(kBeta.size(), std::vector<std::int8_t>(problem_.variable_count(), 0));
+  std::vector<double> mean(outcome.word.size(), 0.0);
+  std::uint64_t number = 0;
+  for (std::size_t n = 0; n < kBurnIn + kSweeps; ++n) {
+    for (std::size_t r = 0; r < kBeta.size(); ++r, ++number)
+      sweep(row[r], kBeta[r], [&](std::uint64_t k) {
+        return random_unit(random_bits(kStream, chain, number), 0, k);
+      });
+    for (std::size_t r = n / kExchangeEvery % 2; n % kExchangeEvery == 0 && r + 1 < kBeta.size(); r += 2) {
+      const double gain = given(row[r + 1], kBeta[r]).log_words + given(row[r], kBeta[r + 1]).log_words -
+                          given(row[r], kBeta[r]).log_words - given(row[r + 1], kBeta[r + 1]).log_words;
+      if (random_unit(kStream + 1, chain, n * kBeta.size() + r) < std::exp(gain)) std::swap(row[r], row[r + 1]);
+    }
+    if (n < kBurnIn) continue;
+    const std::vector<double> p = given(row.back()).probability[std::size_t(&outcome - groups_.data())];
+    for (std::size_t y = 0; y < mean.size(); ++y) mean[y] += p[y] / double(kSweeps);
+  }
+  return mean;
+}
+
+CodeMachine::Reference CodeMachine::outcomes() const {
+  constexpr std::size_t kChains = 32;
+  const auto group =
+      std::find_if(groups_.begin(), groups_.end(), [](const CodeGroup& candidate) { return candidate.variable < 0; });
+  if (group == groups_.end()) return {};
+  if (std::vector<double> exact = exact_outcomes(); !exact.empty()) {
+    const std::size_t count = exact.size();
+    return {std::move(exact), std::vector<double>(count, 0.0)};
+  }
+  std::vector<std::vector<double>> mean(kChains);
+#pragma omp parallel for schedule(static)
+  for (std::ptrdiff_t chain = 0; chain < std::ptrdiff_t(kChains); ++chain)
+    mean[std::size_t(chain)] = chain_mean(*group, std::uint64_t(chain));
+  Reference result{std::vector<double>(group->word.size(), 0.0), std::vector<double>(group->word.size(), 0.0)};
+  for (std::size_t y = 0; y < group->word.size(); ++y) {
+    double sum = 0, square = 0;
+    for (const std::vector<double>& of : mean) sum += of[y];
+    result.probability[y] = sum / double(kChains);
+    for (const std::vector<double>& of : mean) square += std::pow(of[y] - result.probability[y], 2);
+    result.standard_error[y] = std::sqrt(square / double(kChains - 1) / double(kChains));
+  }
   return result;
 }
 

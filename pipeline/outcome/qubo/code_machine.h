@@ -35,8 +35,8 @@ class CodeMachine {
     double log_words = 0;                          // log of the sum over code words, -h's own energy included
     double log_all = 0;                            // the same over all words of the units
   };
-  /// row: [variable of the problem], on where above 0. Only hidden units are looked at.
-  Given given(std::span<const std::int8_t> row) const;
+  /// row: [variable of the problem], on where above 0. Only hidden units are looked at. beta: the inverse temperature.
+  Given given(std::span<const std::int8_t> row, double beta = 1) const;
 
   /// Sums over all hidden rows.
   struct Exact {
@@ -46,7 +46,14 @@ class CodeMachine {
   };
   /// None with more than 16 hidden units.
   std::optional<Exact> exact() const;
-  /// P(outcome) of these sums; empty where there are none.
+  /// P(outcome) with standard errors: of these sums, without an error; otherwise by block Gibbs here, a whole word of
+  /// every group at a time, in 32 chains with replicas at inverse temperatures 1/4 to 1. Deterministic. Empty where the
+  /// outcome is not free.
+  struct Reference {
+    std::vector<double> probability, standard_error;  // [outcome]
+  };
+  Reference outcomes() const;
+  /// P(outcome) of the exact sums; empty where there are none.
   std::vector<double> exact_outcomes() const;
 
   const std::vector<CodeGroup>& groups() const { return groups_; }
@@ -57,6 +64,11 @@ class CodeMachine {
   template <class On>
   double word_energy(const CodeGroup& group, std::span<const double> field, On on) const;
   double log_all_words(const CodeGroup& group, std::span<const double> field) const;
+  /// One sweep of block Gibbs from the hidden units of `row`; u(k): uniform numbers. The words' units are set, too.
+  template <class Uniform>
+  void sweep(std::span<std::int8_t> row, double beta, const Uniform& u) const;
+  /// [outcome] mean of one chain of outcomes().
+  std::vector<double> chain_mean(const CodeGroup& outcome, std::uint64_t chain) const;
   learning::Problem problem_;  // BINARY
   std::vector<CodeGroup> groups_;
   std::vector<std::uint32_t> hidden_;          // positions in the problem

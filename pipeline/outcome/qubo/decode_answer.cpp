@@ -169,17 +169,18 @@ constexpr double kChance = 4;  // standard errors that chance explains, of the l
 
 void add_outcomes(const Sidecar& sidecar, const DecodedAnswer& decoded, const CodeMachine* machine,
                   AnswerSummary& summary) {
-  const std::vector<double> own = machine ? machine->exact_outcomes() : std::vector<double>();
+  const CodeMachine::Reference own = machine ? machine->outcomes() : CodeMachine::Reference();
   double worst = 0;
   for (std::size_t y = 0; y < sidecar.layout.outcome_count(); ++y) {
     AnswerSummary::Outcome outcome{.name = sidecar.layout.outcomes()[y], .frequency = frequency(decoded, y)};
     const learning::SeriesMean& found = outcome.frequency;
-    if (!own.empty()) {
+    if (!own.probability.empty()) {
+      const double p = own.probability[y];
       double error = found.standard_error;
-      if (decoded.decoding != Decoding::weigh)
-        error = std::max(error, std::sqrt(own[y] * (1 - own[y]) / found.independent_reads));
-      outcome.machine = own[y];
-      outcome.difference = (found.mean - own[y]) / std::max(error, 1e-12);
+      if (decoded.decoding != Decoding::weigh) error = std::max(error, std::sqrt(p * (1 - p) / found.independent_reads));
+      outcome.machine = p;
+      outcome.machine_error = own.standard_error[y];
+      outcome.difference = (found.mean - p) / std::max(std::hypot(error, outcome.machine_error), 1e-12);
       if (std::abs(outcome.difference) > std::abs(worst)) {
         worst = outcome.difference;
         summary.bias.outcome = outcome.name;
@@ -189,7 +190,9 @@ void add_outcomes(const Sidecar& sidecar, const DecodedAnswer& decoded, const Co
     summary.independent_reads = std::min(summary.independent_reads, found.independent_reads);
     summary.outcomes.push_back(std::move(outcome));
   }
-  summary.bias.verdict = std::abs(worst) > kChance ? "biased" : own.empty() ? "not checked" : "none found";
+  summary.bias.verdict = std::abs(worst) > kChance      ? "biased"
+                         : own.probability.empty() ? "not checked"
+                                                   : "none found";
 }
 
 constexpr double kRounding = 1e-12;  // relative variance that only rounding makes
@@ -279,6 +282,7 @@ Json to_json(const AnswerSummary& summary) {
                                                           {"correlation_time", outcome.frequency.correlation_time}};
       if (std::isnan(outcome.machine)) continue;
       entry["machine"] = outcome.machine;
+      entry["machine_standard_error"] = outcome.machine_error;
       entry["difference_in_errors"] = outcome.difference;
     }
     for (const AnswerSummary::Variable& variable : summary.variables)
@@ -290,8 +294,68 @@ Json to_json(const AnswerSummary& summary) {
     json["variables"] = std::move(variables);
   }
   json["independent_reads"] = summary.independent_reads;
+  if (summary.temperature) {
+    const learning::BetaEstimate& beta = summary.temperature->beta;
+    json["temperature"] = Json::Object{{"beta", beta.beta},
+                                       {"low", beta.low},
+                                       {"high", beta.high},
+                                       {"verdict", summary.temperature->verdict}};
+  }
   json["bias"] = std::move(bias);
   return json;
+}
+
+namespace {
+
+/// At most `most` rows, evenly from all.
+learning::SampleSet thinned(const learning::SampleSet& answer, std::size_t most) {
+  learning::SampleSet rows = answer;
+  if (answer.row_count() <= most) return rows;
+  rows.values.clear(), rows.energies.clear(), rows.occurrences.clear();
+  for (std::size_t k = 0; k < most; ++k) {
+    const std::size_t r = k * answer.row_count() / most;
+    rows.values.insert(rows.values.end(), answer.row(r).begin(), answer.row(r).end());
+    rows.energies.push_back(answer.energies[r]);
+    rows.occurrences.push_back(answer.occurrences[r]);
+  }
+  return rows;
+}
+
+}  // namespace
+
+RowTemperature row_temperature(const learning::Problem& problem, const learning::SampleSet& answer) {
+  constexpr double kMargin = 0.01;       // of beta: what broken chains and rounding of a device leave
+  constexpr std::size_t kEnough = 4000;  // rows, for an error of beta of about 1 %
+  const auto is_zero = [](double x) { return x == 0; };
+  const bool is_flat = std::all_of(problem.linear.begin(), problem.linear.end(), is_zero) &&
+                       std::all_of(problem.couplings.begin(), problem.couplings.end(),
+                                   [](const learning::Coupling& c) { return c.value == 0; });
+  if (is_flat) return {{1, 1, 1}, "right"};  // rows of every temperature follow the same distribution
+  RowTemperature result{learning::pseudo_likelihood_beta(problem, thinned(answer, kEnough)), "right"};
+  const learning::BetaEstimate& beta = result.beta;
+  if (!std::isfinite(beta.beta) || beta.high - beta.low > 1)
+    result.verdict = "unknown";
+  else if (beta.low - kMargin > 1 || beta.high + kMargin < 1)
+    result.verdict = "wrong";
+  return result;
+}
+
+void expect_temperature(const RowTemperature& temperature, const ImportLimits& limits, const std::string& source) {
+  const learning::BetaEstimate& beta = temperature.beta;
+  if (std::isinf(limits.temperature)) return;
+  if (temperature.verdict == "unknown")
+    throw InputError(source + ": its rows tell no temperature" +
+                     (std::isfinite(beta.beta)
+                          ? ": beta lies between " + number_text(beta.low, 3) + " and " + number_text(beta.high, 3) +
+                                "; draw more rows"
+                          : ", because each is a local minimum of the energy; sample the problem at beta 1, do not "
+                            "minimise it"));
+  if (temperature.verdict == "right" || std::abs(beta.beta - 1) <= limits.temperature) return;
+  throw InputError(source + ": its rows have beta " + number_text(beta.beta, 3) + " (95 %: " +
+                   number_text(beta.low, 3) + " to " + number_text(beta.high, 3) +
+                   ") where the problem means 1, so their frequencies are not the machine's; sample with an inverse "
+                   "temperature of 1, or for a device multiply the problem by " +
+                   number_text(1 / beta.beta, 3) + " (--max-beta-error allows more)");
 }
 
 void expect_enough(const AnswerSummary& summary, const ImportLimits& limits, const std::string& source) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/json/json.h"
+#include "learning/annealer/temperature.h"
 #include "learning/qubo/sample_set.h"
 #include "pipeline/outcome/qubo/code_machine.h"
 #include "pipeline/outcome/qubo/problem_file.h"
@@ -23,9 +24,22 @@ std::string decoding_name(Decoding decoding);
 
 /// Answers below are refused.
 struct ImportLimits {
-  double reads = 100;   // weigh: independent reads that they are worth; otherwise reads that can be decoded
-  double share = 0.05;  // of the reads
+  double reads = 100;         // weigh: independent reads that they are worth; otherwise reads that can be decoded
+  double share = 0.05;        // of the reads
+  double temperature = 0.15;  // largest distance of the rows' beta from 1; infinite: any rows are taken
 };
+
+/// Rows follow exp(-beta E) with this beta, by pseudo-likelihood (learning/annealer/temperature.h), for any number of
+/// hidden units. The problem means beta = 1.
+struct RowTemperature {
+  learning::BetaEstimate beta;
+  std::string verdict = "right";  // "wrong": the interval, 1 % wider on either side, leaves out 1; or "unknown"
+};
+/// problem: over the variables of the answer, not the qubits.
+RowTemperature row_temperature(const learning::Problem& problem, const learning::SampleSet& answer);
+/// Throws InputError for rows at another temperature than `limits` allow, and for rows that tell none: each is a local
+/// minimum, or the interval is wider than 1.
+void expect_temperature(const RowTemperature& temperature, const ImportLimits& limits, const std::string& source);
 
 /// The rows of an answer, decoded by a rule.
 struct DecodedAnswer {
@@ -69,8 +83,9 @@ struct AnswerSummary {
   struct Outcome {
     std::string name;
     learning::SeriesMean frequency;
-    double machine = NAN;     // the machine's own probability; NaN where it is not known exactly
-    double difference = NAN;  // of the frequency from it [standard errors]
+    double machine = NAN;        // the machine's own probability (CodeMachine::outcomes()); NaN: not known
+    double machine_error = NAN;  // its standard error; 0: it is exact
+    double difference = NAN;     // of the frequency from it [standard errors]
   };
   struct Variable {
     std::string name, unit;
@@ -79,6 +94,7 @@ struct AnswerSummary {
   std::vector<Outcome> outcomes;  // none where no row can be read
   std::vector<Variable> variables;
   double independent_reads = 0;  // that the rows are worth
+  std::optional<RowTemperature> temperature;
   struct Bias {
     std::string verdict;    // "not checked", "none found", or "biased": more than chance explains
     std::string outcome;    // with the largest difference; empty: there is none

@@ -211,6 +211,8 @@ ImportedAnswer decode_answer_to(const learning::Problem& problem, const Sidecar&
   result.decoded = decode_answer(sidecar, answer, cannot_weigh ? Decoding::discard : settings.decoding,
                                  machine ? &*machine : nullptr, settings.seed);
   result.summary = summarise(sidecar, result.decoded, machine ? &*machine : nullptr);
+  result.summary->temperature = row_temperature(problem, answer);
+  expect_temperature(*result.summary->temperature, settings.limits, source);
   expect_enough(*result.summary, settings.limits, source);
   result.reads = result.decoded.reads;
   result.machine_answer = sidecar.machine_answer;

@@ -155,9 +155,10 @@ std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
   return datasets;
 }
 
-double teacher_weight(std::size_t trials) {
-  constexpr std::size_t kFew = 500;
-  return trials < kFew ? 3 : 1;
+TeacherShare teacher_share(const LearningSettings& settings) {
+  const double weight = settings.teacher.value_or(3);
+  const bool is_box = settings.training.negative == learning::NegativePhaseKind::code_words && settings.importance == 1;
+  return {weight, is_box ? weight / (1 + weight) : 0};
 }
 
 std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper,
@@ -175,20 +176,21 @@ learning::GaussianProcessModel fitted_process(const learning::TrainingTable& row
   return learning::fit_gaussian_process(table, passable_labels(table));
 }
 
-std::shared_ptr<const learning::Teaching> teaching(double weight, std::vector<double> points,
+std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,
                                                    std::vector<double> probability) {
-  return std::make_shared<const learning::Teaching>(learning::Teaching{.weight = weight,
+  return std::make_shared<const learning::Teaching>(learning::Teaching{.weight = share.weight,
+                                                                       .joint_share = share.joint_share,
                                                                        .points = std::move(points),
                                                                        .probability = std::move(probability),
                                                                        .label = passable_outcomes()});
 }
 
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    std::vector<double> points, double weight) {
-  if (weight == 0) return nullptr;
+                                                    std::vector<double> points, TeacherShare share) {
+  if (share.weight == 0) return nullptr;
   std::vector<double> probability =
       fitted_process(table, others).most_probable(others.at_own(points, table.variable_count));
-  return teaching(weight, std::move(points), std::move(probability));
+  return teaching(share, std::move(points), std::move(probability));
 }
 
 }  // namespace gonogo::outcome

@@ -76,9 +76,6 @@ OtherTrials read_other_trials(const campaign::Provenance& own, const std::string
 /// The same files, the finest first.
 std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::path> datasets);
 
-/// Weight of the teacher's term for so many trials, where the study gives none.
-double teacher_weight(std::size_t trials);
-
 /// Points that a teacher labels: 2,048 of a scrambled Sobol' sequence over the sampled box [point x variable].
 std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper,
                                   std::uint64_t seed);
@@ -86,13 +83,22 @@ std::vector<double> taught_points(const std::vector<double>& lower, const std::v
 /// The process that learns P(go) of these rows of the model's own trials and of all others.
 learning::GaussianProcessModel fitted_process(const learning::TrainingTable& rows, const OtherTrials& others);
 
+/// How much a teacher counts: t and r of learning::Teaching.
+struct TeacherShare {
+  double weight = 0, joint_share = 0;
+};
+/// The weight that the study gives, or 3. The taught points share in the joint
+/// distribution as they weigh beside the trials, r = t / (1 + t), if that distribution is the box's: the machine is one
+/// of code words, and trials count by prior / proposal density.
+TeacherShare teacher_share(const LearningSettings& settings);
+
 /// probability: P(go) of the points.
-std::shared_ptr<const learning::Teaching> teaching(double weight, std::vector<double> points,
+std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,
                                                    std::vector<double> probability);
 
 /// The teaching of a machine for all rows of `table`, whose weights the process takes too, at these points; none for
 /// weight 0.
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    std::vector<double> points, double weight);
+                                                    std::vector<double> points, TeacherShare share);
 
 }  // namespace gonogo::outcome

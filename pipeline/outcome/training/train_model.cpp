@@ -32,7 +32,7 @@ struct Inputs {
   learning::TrainingTable held_out;
   learning::TrainingSettings training;
   OtherTrials others;
-  double teacher_weight = 0;
+  TeacherShare teacher;
 };
 
 Inputs read_inputs(const TrainRequest& request) {
@@ -49,7 +49,7 @@ Inputs read_inputs(const TrainRequest& request) {
   in.training = training_settings(in.settings, rows, request.seed);
   in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
   in.data_hash = file_hash(request.dataset);
-  in.teacher_weight = in.settings.teacher.value_or(teacher_weight(rows));
+  in.teacher = teacher_share(in.settings);
   return in;
 }
 
@@ -216,7 +216,7 @@ class FoldTeachers {
 
   /// What the machine of a fold is taught; none without a weight. Fitted at the first call.
   std::shared_ptr<const learning::Teaching> of_fold(std::size_t fold) {
-    return in_.teacher_weight > 0 ? teaching(in_.teacher_weight, points_, answers(fold).taught) : nullptr;
+    return in_.teacher.weight > 0 ? teaching(in_.teacher, points_, answers(fold).taught) : nullptr;
   }
   /// P(go) of every trial by the process that has not seen the trial's fold [row].
   std::vector<double> held_out() {
@@ -236,7 +236,7 @@ class FoldTeachers {
     const learning::TrainingTable &table = in_.data.table, unseen = table.subset(held_out);
     const learning::GaussianProcessModel process = fitted_process(table.subset(training), in_.others.away_from(unseen));
     ProcessAnswers fresh{process.probabilities(in_.others.at_own(unseen.variables, table.variable_count)), {}};
-    if (in_.teacher_weight > 0) fresh.taught = process.most_probable(in_.others.at_own(points_, table.variable_count));
+    if (in_.teacher.weight > 0) fresh.taught = process.most_probable(in_.others.at_own(points_, table.variable_count));
     kept_.keep_process(fold, fresh);
     return answers_.emplace(fold, std::move(fresh)).first->second;
   }
@@ -339,6 +339,15 @@ Scores cross_validation_scores(const TrainingData& data, const learning::CrossVa
   return score_forecasts(forecasts, seed);
 }
 
+/// A machine of code words ends with balanced inputs, if its joint distribution was trained.
+learning::RbmWeights trained_weights(const learning::VisibleLayout& layout, const learning::TrainingTable& table,
+                                     const learning::TrainingSettings& settings, const learning::Sampler& sampler,
+                                     const learning::EpochHook& watch, const learning::Teaching* lesson) {
+  learning::RbmWeights weights = train_rbm(layout, table, settings, sampler, watch, nullptr, lesson).weights;
+  if (settings.negative != learning::NegativePhaseKind::code_words || settings.generative == 0) return weights;
+  return balanced_inputs(layout, table, std::move(weights), settings.seed, lesson);
+}
+
 /// Fills the parts of the model's file that describe the trials and the prior.
 void describe_trials(const Inputs& in, learning::Model& model) {
   model.sampled_lower = in.data.lower;
@@ -403,9 +412,8 @@ TrainingReport train_model(const TrainRequest& request) {
   progress.last_machine(training.epochs);
   if (in.settings.calibrate) model.calibration_power = calibrate(in.data, validation, fold, folds);
   const auto lesson =
-      progress.teach(table.row_count(), [&] { return teach_all(table, in.others, points, in.teacher_weight); });
-  model.weights =
-      train_rbm(model.layout, table, training, source.sampler(), progress.watch(), nullptr, lesson.get()).weights;
+      progress.teach(table.row_count(), [&] { return teach_all(table, in.others, points, in.teacher); });
+  model.weights = trained_weights(model.layout, table, training, source.sampler(), progress.watch(), lesson.get());
   model.log = validation.log;
   describe_trials(in, model);
 
@@ -418,7 +426,7 @@ TrainingReport train_model(const TrainRequest& request) {
       .calibration_power = model.calibration_power,
       .seed = request.seed,
       .settings = in.settings,
-      .teacher_weight = in.teacher_weight,
+      .teacher_weight = in.teacher.weight,
       .others = in.others.datasets,
       .batch = training.batch,
       .epochs = validation.best_epoch,
@@ -474,8 +482,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     in.training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
     const auto lesson =
-        teach_all(table, in.others, taught_points(in.data.lower, in.data.upper, in.training.seed), in.teacher_weight);
-    model.weights = learning::train_rbm(base.layout, table, in.training, *sampler, {}, nullptr, lesson.get()).weights;
+        teach_all(table, in.others, taught_points(in.data.lower, in.data.upper, in.training.seed), in.teacher);
+    model.weights = trained_weights(base.layout, table, in.training, *sampler, {}, lesson.get());
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);
     kept.keep_member(files.back());

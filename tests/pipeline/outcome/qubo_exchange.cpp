@@ -204,7 +204,11 @@ TEST_CASE("rows of another temperature are named biased, not averaged") {
   export_problem(kModel, kProblem, {{"slope_along", 12}}, learning::Vartype::binary);
   sample_problem(kProblem, kAnswer, *learning::make_sampler("anneal", {{"beta_end", 0.5}}),
                  {.reads = 4000, .seed = 1, .sweeps = 100});
-  const Json answer = to_json(import_answer(import_request()));
+  ImportRequest import = import_request();
+  refused([&] { import_answer(import); }, "its rows have beta 0.");
+  import.limits.temperature = 1;
+  const Json answer = to_json(import_answer(import));
+  CHECK(answer.at("temperature").at("verdict").string() == "wrong");
   CHECK(answer.at("bias").at("verdict").string() == "biased");
   CHECK(std::abs(answer.at("bias").at("difference_in_errors").number()) > 4);
 }

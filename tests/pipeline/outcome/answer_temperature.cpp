@@ -1,0 +1,104 @@
+// Answers at another temperature than the problem's: refused at any number of hidden units.
+#include <cmath>
+#include <cstdio>
+
+#include "base/files/file.h"
+#include "pipeline/outcome/qubo/qubo_exchange.h"
+#include "tests/pipeline/outcome/random_machine.h"
+#include "tests/support/catch.h"
+#include "tests/support/refused.h"
+
+using namespace gonogo;
+using namespace gonogo::outcome;
+
+namespace {
+
+MachineProblem exported_machine(std::size_t hidden, int units) {
+  learning::Model model = random_machine({.hidden = hidden, .size = 1, .units = units});
+  give_trials(model);
+  return machine_problem(model, {}, learning::Vartype::binary, 0.0);
+}
+
+/// Rows that follow exp(-beta E) of the machine.
+learning::SampleSet rows_at(double beta, const learning::Problem& problem, std::size_t reads) {
+  learning::Problem scaled = problem;
+  for (double& h : scaled.linear) h *= beta;
+  for (learning::Coupling& c : scaled.couplings) c.value *= beta;
+  learning::SampleSet rows =
+      learning::make_sampler("block_gibbs")->sample(scaled, {.reads = reads, .seed = 3, .sweeps = 300});
+  for (std::size_t r = 0; r < rows.row_count(); ++r) rows.energies[r] = learning::energy(problem, rows.row(r));
+  return rows;
+}
+
+DecodeSettings taking_all_reads() {
+  DecodeSettings settings;
+  settings.limits.reads = 1;
+  settings.limits.share = 0;
+  return settings;
+}
+
+}  // namespace
+
+TEST_CASE("of twenty answers at a wrong temperature none is taken, and those at the right one are") {
+  for (const std::size_t hidden : {std::size_t(8), std::size_t(24)}) {
+    const MachineProblem machine = exported_machine(hidden, 3);
+    const auto take = [&](double beta, std::size_t reads) {
+      return decode_answer_to(machine.problem, machine.sidecar, rows_at(beta, machine.problem, reads),
+                              taking_all_reads(), "answer");
+    };
+    for (int k = 0; k < 20; ++k) {
+      const double beta = 0.2 * std::pow(15.0, double(k) / 19.0);  // 0.2 to 3
+      INFO(hidden << " hidden units, beta " << beta);
+      if (std::abs(beta - 1) > 0.15)
+        refused([&] { take(beta, 200); }, "its rows have beta");
+      else
+        CHECK(take(beta, 4000).summary->temperature->verdict == "wrong");
+    }
+    const RowTemperature right = *take(1, 1000).summary->temperature;
+    CHECK(right.verdict == "right");
+    CHECK(right.beta.low < 1.02);
+    CHECK(right.beta.high > 0.98);
+  }
+}
+
+TEST_CASE("rows that tell no temperature are refused with the reason") {
+  const MachineProblem machine = exported_machine(20, 1);
+  const learning::SampleSet cold = rows_at(400, machine.problem, 200);
+  refused([&] { decode_answer_to(machine.problem, machine.sidecar, cold, taking_all_reads(), "answer"); }, "beta");
+  learning::SampleSet lowest = rows_at(1e6, machine.problem, 100);
+  std::size_t best = 0;
+  for (std::size_t r = 0; r < lowest.row_count(); ++r)
+    if (lowest.energies[r] < lowest.energies[best]) best = r;
+  const std::vector<std::int8_t> row(lowest.row(best).begin(), lowest.row(best).end());
+  for (std::size_t r = 0; r < lowest.row_count(); ++r)
+    std::copy(row.begin(), row.end(), lowest.values.begin() + std::ptrdiff_t(r * row.size()));
+  refused([&] { decode_answer_to(machine.problem, machine.sidecar, lowest, taking_all_reads(), "answer"); },
+          "tell no temperature");
+}
+
+TEST_CASE("a machine's own outcomes by chains agree with the exact sums") {
+  learning::Model model = random_machine({.hidden = 14, .size = 1.5, .units = 3});
+  give_trials(model);
+  const MachineProblem small = machine_problem(model, {}, learning::Vartype::binary, 0.0);
+  const auto exact = CodeMachine::of(small.problem, small.sidecar.layout)->outcomes();
+  // Three more hidden units that are coupled to nothing change no probability, but are too many to sum.
+  learning::RbmWeights& weights = model.weights;
+  learning::RbmWeights wide = learning::RbmWeights::zeros(weights.visible_count, weights.hidden_count + 3);
+  wide.visible_bias = weights.visible_bias;
+  std::copy(weights.hidden_bias.begin(), weights.hidden_bias.end(), wide.hidden_bias.begin());
+  for (std::size_t i = 0; i < weights.visible_count; ++i)
+    std::copy_n(weights.weight.begin() + std::ptrdiff_t(i * weights.hidden_count), weights.hidden_count,
+                wide.weight.begin() + std::ptrdiff_t(i * wide.hidden_count));
+  weights = wide;
+  const MachineProblem large = machine_problem(model, {}, learning::Vartype::binary, 0.0);
+  const auto sampled = CodeMachine::of(large.problem, large.sidecar.layout)->outcomes();
+  double worst = 0;
+  for (std::size_t y = 0; y < exact.probability.size(); ++y) {
+    CHECK(exact.standard_error[y] == 0);
+    CHECK(sampled.standard_error[y] > 0);
+    CHECK(sampled.standard_error[y] < 0.02);
+    worst = std::max(worst, std::abs(sampled.probability[y] - exact.probability[y]) / sampled.standard_error[y]);
+  }
+  std::printf("largest difference of %zu outcomes: %.2f standard errors\n", exact.probability.size(), worst);
+  CHECK(worst < 4);
+}
