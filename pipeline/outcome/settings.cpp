@@ -141,10 +141,10 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
   };
   set("negative", training.negative, learning::NegativePhaseKind::code_words);
   set("hidden", training.hidden, std::size_t(many ? 48 : 24));
-  set("generative", training.generative, 0.07);
+  set("generative", training.generative, many ? 0.1 : 0.07);
   set("weight_decay", training.weight_decay, many ? 0.3 : 1.0);
   set("chains", training.chains, std::size_t(256));
-  if (many) set("learning_rate", training.learning_rate, 0.05);
+  if (many) set("learning_rate", training.learning_rate, 0.03);
   set("calibrate", settings.calibrate, many);
   set("sweeps", training.sweeps, std::size_t(1));
   set("final_learning_rate", training.final_learning_rate, 0.05);

@@ -6,6 +6,7 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/answer/infer.h"
+#include "pipeline/outcome/joint_summary.h"
 #include "pipeline/outcome/sampling/rows_file.h"
 
 namespace gonogo::app {
@@ -33,7 +34,12 @@ void sample(const SampleOptions& options, const Globals& globals) {
   outcome::write_rows(options.out, predictor, rows, report);
   Json json = outcome::to_json(report);
   json["out"] = options.out;
-  print_result(globals, json, outcome::rows_text(report) + options.out + "\n");
+  std::string text = outcome::rows_text(report) + options.out + "\n";
+  if (request.source == outcome::RowSource::machine) {
+    const std::string warning = outcome::joint_warning(predictor.model());
+    if (!warning.empty()) json["warning"] = warning, text += "warning: " + warning + "\n";
+  }
+  print_result(globals, json, text);
 }
 
 void add_chain_options(CLI::App* command, outcome::RowRequest& request) {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/files/csv.h"
 #include "base/format.h"
+#include "base/math/random.h"
 #include "learning/score/copula.h"
 #include "learning/score/two_sample.h"
 #include "pipeline/campaign/study/contract.h"
@@ -251,6 +252,39 @@ JointScores joint_scores(const Predictor& predictor, const learning::TrainingTab
   add("trials", all.subset(first));
   if (given) add("given", given_rows(columns, *given, count, seed));
   return scores;
+}
+
+std::optional<JointSummary> scored_joint(const Predictor& predictor, const learning::TrainingTable& trials,
+                                         std::uint64_t seed) {
+  constexpr std::uint64_t kHalves = 0x68616c66;  // stream of random numbers
+  const Columns columns(predictor.model().layout);
+  std::vector<std::size_t> halves[2];
+  for (std::size_t n = 0; n < trials.row_count(); ++n)
+    halves[random_bits(seed, kHalves, trials.group[n]) % 2].push_back(n);
+  const ScoredRows floor = columns.known_rows(trials.subset(halves[0]), kMaxJointRows, seed);
+  const ScoredRows real = columns.known_rows(trials.subset(halves[1]), floor.count(), seed);
+  if (real.count() < kMinJointRows || columns.count() < 3) return std::nullopt;
+  const ScoredRows machine = columns.sampled_rows(model_rows(predictor, RowSource::machine, real.count(), seed));
+  const JointScores::Kind own = scored_kind("machine", columns, machine, real, seed),
+                          same = scored_kind("trials", columns, floor, real, seed);
+  const auto share = [&](const ScoredRows& rows) {
+    const std::vector<int> passed = columns.passed(rows);
+    double sum = 0, total = 0;
+    for (std::size_t n = 0; n < rows.count(); ++n) {
+      sum += rows.weight[n] * passed[n];
+      total += rows.weight[n];
+    }
+    return sum / total;
+  };
+  return JointSummary{.rows = real.count(),
+                      .auc_bins = own.auc_bins,
+                      .auc_values = own.auc_values,
+                      .floor_bins = same.auc_bins,
+                      .floor_values = same.auc_values,
+                      .trained_brier = own.trained_brier,
+                      .floor_brier = same.trained_brier,
+                      .passable = share(columns.sampled_rows(model_rows(predictor, RowSource::machine, 4000, seed))),
+                      .trials_passable = share(columns.known_rows(trials, SIZE_MAX, seed))};
 }
 
 Json to_json(const JointScores& scores) {

@@ -7,11 +7,12 @@
 #include "base/json/json.h"
 #include "learning/training.h"
 #include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/joint_summary.h"
 
 namespace gonogo::outcome {
 
 /// Fewest rows of either kind that are scored.
-inline constexpr std::size_t kMinJointRows = 50;
+inline constexpr std::size_t kMinJointRows = 40;
 /// Most rows of each kind.
 inline constexpr std::size_t kMaxJointRows = 1000;
 
@@ -34,6 +35,11 @@ struct JointScores {
   };
   std::vector<Kind> kinds;
 };
+
+/// The machine's rows against half of the trials that it was trained on, the other half being the floor. None where
+/// there are too few trials.
+std::optional<JointSummary> scored_joint(const Predictor& predictor, const learning::TrainingTable& trials,
+                                         std::uint64_t seed);
 
 /// Scores rows of several kinds against held-out trials, as many of each:
 ///

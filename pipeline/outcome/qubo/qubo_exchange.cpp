@@ -7,6 +7,7 @@
 #include "base/files/file.h"
 #include "learning/formats/dimod.h"
 #include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/joint_summary.h"
 #include "pipeline/outcome/qubo/code_machine.h"
 #include "pipeline/outcome/qubo/prepared_machine.h"
 
@@ -66,10 +67,12 @@ MachineProblem machine_problem(const learning::Model& model, const std::map<std:
 Exported export_problem(const fs::path& model_file, const fs::path& problem_file,
                         const std::map<std::string, double>& clamped, learning::Vartype vartype,
                         const FileChoice& choice, std::optional<double> code_penalty) {
-  MachineProblem machine = machine_problem(read_contract_model(model_file), clamped, vartype, code_penalty);
+  const learning::Model model = read_contract_model(model_file);
+  MachineProblem machine = machine_problem(model, clamped, vartype, code_penalty);
   machine.sidecar.model_hash = file_hash(model_file);
   Exported exported = write_problem_file(machine.problem, std::move(machine.sidecar), problem_file, choice);
   if (!machine.note.empty()) exported.notes.push_back(machine.note);
+  if (std::string warning = joint_warning(model); !warning.empty()) exported.notes.push_back(std::move(warning));
   return exported;
 }
 

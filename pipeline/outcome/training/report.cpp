@@ -93,6 +93,7 @@ Json to_json(const TrainingReport& report) {
   json["failures"] = failures_json(report.failures);
   json["cross_validation"] = to_json(report.cross_validation);
   json["cross_validation"]["folds"] = report.folds;
+  if (report.joint) json["joint"] = to_json(*report.joint);
   return json;
 }
 
@@ -115,6 +116,7 @@ TrainingReport read_report(const Json& provenance) {
                              failures.at("rate_high").number()};
   report.cross_validation = read_scores(provenance.at("cross_validation"));
   report.folds = provenance.at("cross_validation").at("folds").unsigned_integer();
+  report.joint = joint_summary(provenance);
   return report;
 }
 
@@ -142,7 +144,14 @@ std::string report_text(const TrainingReport& report) {
         annealer->choice.thermometer.c_str(), annealer->last_scale);
   if (report.calibration_power != 1)
     text += line("probabilities are calibrated: raised to %.3f\n", report.calibration_power);
-  return text + scores_text(report.cross_validation);
+  text += scores_text(report.cross_validation);
+  if (const auto& joint = report.joint)
+    text += line(
+        "joint distribution, %zu of the machine's rows against as many trials: AUC in bins %.3f (trials against trials "
+        "%.3f), of values %.3f (%.3f);\n  Brier score trained on the rows %.4f (%.4f); P(go or slow-go) %.3f (%.3f)\n",
+        joint->rows, joint->auc_bins, joint->floor_bins, joint->auc_values, joint->floor_values, joint->trained_brier,
+        joint->floor_brier, joint->passable, joint->trials_passable);
+  return text;
 }
 
 }  // namespace gonogo::outcome

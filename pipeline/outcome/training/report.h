@@ -9,6 +9,7 @@
 
 #include "learning/model/model.h"
 #include "pipeline/outcome/evaluation/scores.h"
+#include "pipeline/outcome/joint_summary.h"
 #include "pipeline/outcome/settings.h"
 #include "pipeline/outcome/training/teacher.h"
 #include "pipeline/outcome/training/training_sampler.h"
@@ -45,6 +46,7 @@ struct TrainingReport {
   FailureRate failures;
   Scores cross_validation;
   std::size_t folds = 0;
+  std::optional<JointSummary> joint;  // none: too few trials
 };
 
 /// The provenance that the model's file keeps.

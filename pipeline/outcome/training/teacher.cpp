@@ -155,8 +155,8 @@ std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
   return datasets;
 }
 
-TeacherShare teacher_share(const LearningSettings& settings) {
-  const double weight = settings.teacher.value_or(3);
+TeacherShare teacher_share(const LearningSettings& settings, std::size_t trials) {
+  const double weight = settings.teacher.value_or(trials < kManyTrials ? 3 : 10);
   const bool is_box = settings.training.negative == learning::NegativePhaseKind::code_words && settings.importance == 1;
   return {weight, is_box ? weight / (1 + weight) : 0};
 }

@@ -87,10 +87,10 @@ learning::GaussianProcessModel fitted_process(const learning::TrainingTable& row
 struct TeacherShare {
   double weight = 0, joint_share = 0;
 };
-/// The weight that the study gives, or 3. The taught points share in the joint
+/// The weight that the study gives, or 3 below kManyTrials trials and 10 from there on. The taught points share in the joint
 /// distribution as they weigh beside the trials, r = t / (1 + t), if that distribution is the box's: the machine is one
 /// of code words, and trials count by prior / proposal density.
-TeacherShare teacher_share(const LearningSettings& settings);
+TeacherShare teacher_share(const LearningSettings& settings, std::size_t trials);
 
 /// probability: P(go) of the points.
 std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,

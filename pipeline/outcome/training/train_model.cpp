@@ -16,6 +16,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/evaluation/joint_scores.h"
 #include "pipeline/outcome/training_data.h"
 
 namespace gonogo::outcome {
@@ -49,7 +50,7 @@ Inputs read_inputs(const TrainRequest& request) {
   in.training = training_settings(in.settings, rows, request.seed);
   in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
   in.data_hash = file_hash(request.dataset);
-  in.teacher = teacher_share(in.settings);
+  in.teacher = teacher_share(in.settings, rows);
   return in;
 }
 
@@ -433,7 +434,8 @@ TrainingReport train_model(const TrainRequest& request) {
       .counts = count_trials(in.data, in.held_out),
       .failures = failure_rate(in.data, in.held_out),
       .cross_validation = cross_validation_scores(in.data, validation, fold, folds, training.seed, teachers),
-      .folds = folds};
+      .folds = folds,
+      .joint = scored_joint(Predictor(model), table, request.seed)};
   model.provenance = to_json(report);
   learning::write_model(request.model, model);
   if (!request.members_follow) kept.remove();
