@@ -95,7 +95,7 @@ class TeachingTerm {
   torch::Tensor over(const Machine& machine, const torch::Tensor& smooth, const torch::Tensor& probability) const;
   void take_joint(const VisibleLayout& layout, const Teaching& teaching, const std::vector<std::size_t>& points);
   double weight_, joint_share_ = 0;
-  torch::Tensor smooth_, probability_;           // [point x input unit], [point]
+  torch::Tensor smooth_, probability_;            // [point x input unit], [point]
   torch::Tensor joint_rows_, joint_probability_;  // the same of code words inside the box
   torch::Tensor passes_, fails_;  // [outcome]: 0 for the outcomes of the class, minus infinity for all others
   std::int64_t next_ = 0, next_joint_ = 0;

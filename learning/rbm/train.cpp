@@ -181,7 +181,7 @@ class Run {
   }
 
   static constexpr std::size_t kJointPoints = 64;  // of an update, at least
-  static constexpr double kSlide = 0.01;  // share of the minibatch in the sliding mean of the hidden units
+  static constexpr double kSlide = 0.01;           // share of the minibatch in the sliding mean of the hidden units
   const VisibleLayout& layout_;
   const TrainingTable& table_;
   const TrainingSettings& settings_;

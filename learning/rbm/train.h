@@ -42,10 +42,11 @@ namespace gonogo::learning {
 /// 1 - r of the trials and r of the points inside the box of the trials, there the mean of sum_c q_k(c) log P(x_k, c).
 struct Teaching {
   double weight = 0;                // t; 0: no teaching
-  double joint_share = 0;           // r in [0, 1]; needs points that are drawn from the distribution of the trials
   std::vector<double> points;       // [point x variable count], all known
   std::vector<double> probability;  // [point]: P(1 | x) by the teacher, in [0, 1]
   std::vector<int> label;           // [outcome]: its class, 0 or 1
+  /// r in [0, 1]; above 0 only where the points are drawn from the distribution of the trials
+  double joint_share = 0;
 };
 
 struct TrainingResult {
@@ -68,9 +69,9 @@ TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table
                          const Teaching* teaching = nullptr);
 
 /// The same machine with other biases of the inputs, by which the words of every variable are as frequent among its own
-/// rows as in the table, or in the box of the trials as far as `teaching` shares in the joint distribution. These biases
-/// have no part in P(y | x), and training leaves them behind the weights. Robbins-Monro steps on rows of tempered
-/// chains; deterministic.
+/// rows as in the table, or in the box of the trials as far as `teaching` shares in the joint distribution. These
+/// biases have no part in P(y | x), and training leaves them behind the weights. Robbins-Monro steps on rows of
+/// tempered chains; deterministic.
 RbmWeights balanced_inputs(const VisibleLayout& layout, const TrainingTable& table, RbmWeights weights,
                            std::uint64_t seed, const Teaching* teaching = nullptr);
 

@@ -40,7 +40,8 @@ std::string joint_warning(const learning::Model& model) {
   const std::optional<JointSummary> joint = joint_summary(model.provenance);
   if (!joint || joint->is_of_the_trials()) return "";
   return line(
-      "the machine's joint distribution is not that of its trials: trees tell its rows from trials with an AUC of %.2f, "
+      "the machine's joint distribution is not that of its trials: trees tell its rows from trials with an AUC of "
+      "%.2f, "
       "trials from trials with %.2f; take gonogo sample --from prior, or train again with the default settings",
       joint->auc_values, joint->floor_values);
 }

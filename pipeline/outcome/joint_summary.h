@@ -10,11 +10,11 @@ namespace gonogo::outcome {
 
 /// Rows of the machine, and trials, each against other trials of the training set (evaluation/joint_scores.h).
 struct JointSummary {
-  std::size_t rows = 0;                        // of each kind
-  double auc_bins = 0, auc_values = 0;         // of telling the machine's rows from trials
-  double floor_bins = 0, floor_values = 0;     // of telling trials from trials
-  double trained_brier = 0, floor_brier = 0;   // on trials, of trees fitted to the machine's rows, to other trials
-  double passable = 0, trials_passable = 0;    // share of go and slow_go among the machine's rows, and the trials
+  std::size_t rows = 0;                       // of each kind
+  double auc_bins = 0, auc_values = 0;        // of telling the machine's rows from trials
+  double floor_bins = 0, floor_values = 0;    // of telling trials from trials
+  double trained_brier = 0, floor_brier = 0;  // on trials, of trees fitted to the machine's rows, to other trials
+  double passable = 0, trials_passable = 0;   // share of go and slow_go among the machine's rows, and the trials
   /// Neither AUC exceeds its floor by more than 0.12, which chance reaches with few trials.
   bool is_of_the_trials() const;
 };

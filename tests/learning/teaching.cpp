@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "base/math/random.h"
+#include "learning/machine/word_machine.h"
 #include "learning/rbm/train.h"
 #include "learning/sampler/sampler.h"
 #include "tests/learning/smooth_boundary.h"
@@ -18,7 +19,8 @@ const std::vector<int> kPasses = {1, 1, 0, 0, 0, 0, 0, 0, 0, 0};
 
 /// The truth as a teacher, at `count` random points.
 Teaching truth(std::size_t count, double weight) {
-  Teaching teaching{weight, boundary_table(count, 77).variables, {}, kPasses};
+  Teaching teaching{
+      .weight = weight, .points = boundary_table(count, 77).variables, .probability = {}, .label = kPasses};
   for (std::size_t k = 0; k < count; ++k)
     teaching.probability.push_back(
         true_p_go(std::span(teaching.points).subspan(k * kBoundaryVariables, kBoundaryVariables)));
@@ -114,6 +116,72 @@ TEST_CASE("cross-validation teaches every fold by the teacher of that fold") {
   const std::vector<std::size_t> fold = assign_folds(table, 3, settings.seed);
   for (std::size_t n = 0; n < fold.size(); ++n)
     CHECK((plain.probability[n * 10] == taught.probability[n * 10]) == (fold[n] != 1));
+}
+
+namespace {
+
+/// How far the words of every variable, and P(go), lie from those of fresh rows, in rows of a machine's joint.
+struct JointErrors {
+  double bins = 0;  // largest difference of a bin's share
+  double p_go = 0;
+};
+
+JointErrors joint_errors(const RbmWeights& weights, const TrainingTable& fresh) {
+  const VisibleLayout layout = boundary_layout();
+  const WordMachine machine(layout, weights);
+  WordChains chains(4000, 4, 5);
+  chains.run(machine, 300);
+  std::vector<double> difference(machine.word_count(), 0.0);
+  for (std::size_t c = 0; c < chains.chains(); ++c)
+    for (std::size_t g = 0; g < machine.groups().size(); ++g)
+      difference[machine.groups()[g].first + chains.row(c)[g]] += 1 / double(chains.chains());
+  for (std::size_t n = 0; n < fresh.row_count(); ++n)
+    for (const WordGroup& group : machine.groups()) {
+      const std::size_t bin = group.variable < 0 ? fresh.outcome[n]
+                                                 : std::size_t(layout.encoders()[std::size_t(group.variable)].bin_of(
+                                                       fresh.row(n)[std::size_t(group.variable)]));
+      difference[group.first + bin] -= 1 / double(fresh.row_count());
+    }
+  JointErrors errors;
+  for (const WordGroup& group : machine.groups()) {
+    if (group.variable < 0)
+      errors.p_go = std::abs(difference[group.first] + difference[group.first + 1]);
+    else
+      for (std::size_t k = 0; k < group.length; ++k)
+        errors.bins = std::max(errors.bins, std::abs(difference[group.first + k]));
+  }
+  return errors;
+}
+
+}  // namespace
+
+TEST_CASE("points of a teacher that share in the joint distribution bring it nearer to the truth") {
+  const VisibleLayout layout = boundary_layout();
+  const TrainingTable table = boundary_table(60, 4), fresh = boundary_table(4000, 99);
+  TrainingSettings settings;
+  settings.epochs = 800;
+  settings.negative = NegativePhaseKind::code_words;
+  settings.chains = 256;
+  settings.sweeps = 1;
+  settings.generative = 0.2;
+  settings.final_learning_rate = 0.05;
+  const auto gibbs = make_sampler("block_gibbs");
+  Teaching teaching = truth(1024, 3);
+  const RbmWeights alone = train_rbm(layout, table, settings, *gibbs, {}, nullptr, &teaching).weights;
+  teaching.joint_share = 0.75;
+  const RbmWeights shared = train_rbm(layout, table, settings, *gibbs, {}, nullptr, &teaching).weights;
+  const RbmWeights balanced = balanced_inputs(layout, table, shared, 1, &teaching);
+  const JointErrors of_alone = joint_errors(alone, fresh), of_shared = joint_errors(shared, fresh),
+                    of_balanced = joint_errors(balanced, fresh);
+  std::printf(
+      "largest error of a bin's share, of P(go): trials alone %.3f, %.3f; shared %.3f, %.3f; balanced %.3f, %.3f\n",
+      of_alone.bins, of_alone.p_go, of_shared.bins, of_shared.p_go, of_balanced.bins, of_balanced.p_go);
+  CHECK(of_shared.bins < 0.8 * of_alone.bins);
+  CHECK(of_balanced.bins < 0.06);
+  CHECK(of_balanced.bins < of_shared.bins);
+  const Posterior before(layout, shared), after(layout, balanced);
+  for (std::size_t n = 0; n < 50; ++n)
+    CHECK(before.marginal(fresh.row(n)).probability == after.marginal(fresh.row(n)).probability);
 }
 
 TEST_CASE("a teacher that does not fit the layout is refused") {

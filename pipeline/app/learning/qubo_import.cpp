@@ -31,9 +31,9 @@ std::string outcomes_text(const outcome::AnswerSummary& summary) {
   for (const outcome::AnswerSummary::Outcome& outcome : summary.outcomes) {
     text += line("%-24s %.4f +- %.4f", outcome.name.c_str(), outcome.frequency.mean, outcome.frequency.standard_error);
     if (!std::isnan(outcome.machine))
-      text += line("   machine's own %.4f%s, difference %+.1f standard errors", outcome.machine,
-                   outcome.machine_error > 0 ? line(" +- %.4f", outcome.machine_error).c_str() : "",
-                   outcome.difference);
+      text +=
+          line("   machine's own %.4f%s, difference %+.1f standard errors", outcome.machine,
+               outcome.machine_error > 0 ? line(" +- %.4f", outcome.machine_error).c_str() : "", outcome.difference);
     text += "\n";
   }
   return text;

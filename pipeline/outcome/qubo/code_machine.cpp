@@ -207,9 +207,7 @@ std::vector<double> CodeMachine::chain_mean(const CodeGroup& outcome, std::uint6
   std::uint64_t number = 0;
   for (std::size_t n = 0; n < kBurnIn + kSweeps; ++n) {
     for (std::size_t r = 0; r < kBeta.size(); ++r, ++number)
-      sweep(row[r], kBeta[r], [&](std::uint64_t k) {
-        return random_unit(random_bits(kStream, chain, number), 0, k);
-      });
+      sweep(row[r], kBeta[r], [&](std::uint64_t k) { return random_unit(random_bits(kStream, chain, number), 0, k); });
     for (std::size_t r = n / kExchangeEvery % 2; n % kExchangeEvery == 0 && r + 1 < kBeta.size(); r += 2) {
       const double gain = given(row[r + 1], kBeta[r]).log_words + given(row[r], kBeta[r + 1]).log_words -
                           given(row[r], kBeta[r]).log_words - given(row[r + 1], kBeta[r + 1]).log_words;

@@ -177,7 +177,8 @@ void add_outcomes(const Sidecar& sidecar, const DecodedAnswer& decoded, const Co
     if (!own.probability.empty()) {
       const double p = own.probability[y];
       double error = found.standard_error;
-      if (decoded.decoding != Decoding::weigh) error = std::max(error, std::sqrt(p * (1 - p) / found.independent_reads));
+      if (decoded.decoding != Decoding::weigh)
+        error = std::max(error, std::sqrt(p * (1 - p) / found.independent_reads));
       outcome.machine = p;
       outcome.machine_error = own.standard_error[y];
       outcome.difference = (found.mean - p) / std::max(std::hypot(error, outcome.machine_error), 1e-12);
@@ -190,9 +191,7 @@ void add_outcomes(const Sidecar& sidecar, const DecodedAnswer& decoded, const Co
     summary.independent_reads = std::min(summary.independent_reads, found.independent_reads);
     summary.outcomes.push_back(std::move(outcome));
   }
-  summary.bias.verdict = std::abs(worst) > kChance      ? "biased"
-                         : own.probability.empty() ? "not checked"
-                                                   : "none found";
+  summary.bias.verdict = std::abs(worst) > kChance ? "biased" : own.probability.empty() ? "not checked" : "none found";
 }
 
 constexpr double kRounding = 1e-12;  // relative variance that only rounding makes
@@ -296,10 +295,8 @@ Json to_json(const AnswerSummary& summary) {
   json["independent_reads"] = summary.independent_reads;
   if (summary.temperature) {
     const learning::BetaEstimate& beta = summary.temperature->beta;
-    json["temperature"] = Json::Object{{"beta", beta.beta},
-                                       {"low", beta.low},
-                                       {"high", beta.high},
-                                       {"verdict", summary.temperature->verdict}};
+    json["temperature"] = Json::Object{
+        {"beta", beta.beta}, {"low", beta.low}, {"high", beta.high}, {"verdict", summary.temperature->verdict}};
   }
   json["bias"] = std::move(bias);
   return json;
@@ -351,8 +348,8 @@ void expect_temperature(const RowTemperature& temperature, const ImportLimits& l
                           : ", because each is a local minimum of the energy; sample the problem at beta 1, do not "
                             "minimise it"));
   if (temperature.verdict == "right" || std::abs(beta.beta - 1) <= limits.temperature) return;
-  throw InputError(source + ": its rows have beta " + number_text(beta.beta, 3) + " (95 %: " +
-                   number_text(beta.low, 3) + " to " + number_text(beta.high, 3) +
+  throw InputError(source + ": its rows have beta " + number_text(beta.beta, 3) +
+                   " (95 %: " + number_text(beta.low, 3) + " to " + number_text(beta.high, 3) +
                    ") where the problem means 1, so their frequencies are not the machine's; sample with an inverse "
                    "temperature of 1, or for a device multiply the problem by " +
                    number_text(1 / beta.beta, 3) + " (--max-beta-error allows more)");

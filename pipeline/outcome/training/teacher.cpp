@@ -179,10 +179,10 @@ learning::GaussianProcessModel fitted_process(const learning::TrainingTable& row
 std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,
                                                    std::vector<double> probability) {
   return std::make_shared<const learning::Teaching>(learning::Teaching{.weight = share.weight,
-                                                                       .joint_share = share.joint_share,
                                                                        .points = std::move(points),
                                                                        .probability = std::move(probability),
-                                                                       .label = passable_outcomes()});
+                                                                       .label = passable_outcomes(),
+                                                                       .joint_share = share.joint_share});
 }
 
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,

@@ -87,9 +87,9 @@ learning::GaussianProcessModel fitted_process(const learning::TrainingTable& row
 struct TeacherShare {
   double weight = 0, joint_share = 0;
 };
-/// The weight that the study gives, or 3 below kManyTrials trials and 10 from there on. The taught points share in the joint
-/// distribution as they weigh beside the trials, r = t / (1 + t), if that distribution is the box's: the machine is one
-/// of code words, and trials count by prior / proposal density.
+/// The weight that the study gives, or 3 below kManyTrials trials and 10 from there on. The taught points share in the
+/// joint distribution as they weigh beside the trials, r = t / (1 + t), if that distribution is the box's: the machine
+/// is one of code words, and trials count by prior / proposal density.
 TeacherShare teacher_share(const LearningSettings& settings, std::size_t trials);
 
 /// probability: P(go) of the points.
