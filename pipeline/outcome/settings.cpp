@@ -140,7 +140,7 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
     if (!settings.given.count(key)) value = chosen;
   };
   set("negative", training.negative, learning::NegativePhaseKind::code_words);
-  set("hidden", training.hidden, std::size_t(many ? 48 : 24));
+  set("hidden", training.hidden, std::size_t(many ? 48 : 16));
   set("generative", training.generative, many ? 0.1 : 0.07);
   set("weight_decay", training.weight_decay, many ? 0.3 : 1.0);
   set("chains", training.chains, std::size_t(256));

@@ -257,13 +257,14 @@ JointScores joint_scores(const Predictor& predictor, const learning::TrainingTab
 std::optional<JointSummary> scored_joint(const Predictor& predictor, const learning::TrainingTable& trials,
                                          std::uint64_t seed) {
   constexpr std::uint64_t kHalves = 0x68616c66;  // stream of random numbers
+  constexpr std::size_t kFewest = 30;
   const Columns columns(predictor.model().layout);
   std::vector<std::size_t> halves[2];
   for (std::size_t n = 0; n < trials.row_count(); ++n)
     halves[random_bits(seed, kHalves, trials.group[n]) % 2].push_back(n);
   const ScoredRows floor = columns.known_rows(trials.subset(halves[0]), kMaxJointRows, seed);
   const ScoredRows real = columns.known_rows(trials.subset(halves[1]), floor.count(), seed);
-  if (real.count() < kMinJointRows || columns.count() < 3) return std::nullopt;
+  if (real.count() < kFewest || columns.count() < 3) return std::nullopt;
   const ScoredRows machine = columns.sampled_rows(model_rows(predictor, RowSource::machine, real.count(), seed));
   const JointScores::Kind own = scored_kind("machine", columns, machine, real, seed),
                           same = scored_kind("trials", columns, floor, real, seed);

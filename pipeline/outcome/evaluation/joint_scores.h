@@ -12,7 +12,7 @@
 namespace gonogo::outcome {
 
 /// Fewest rows of either kind that are scored.
-inline constexpr std::size_t kMinJointRows = 40;
+inline constexpr std::size_t kMinJointRows = 50;
 /// Most rows of each kind.
 inline constexpr std::size_t kMaxJointRows = 1000;
 
