@@ -62,8 +62,8 @@ std::string blob_element(const Blob& blob) {
     best_filter = filter;
   }
   return "<script type=\"application/x-gonogo\" id=\"" + blob.name + "\" data-bits=\"" + std::to_string(blob.bits) +
-         "\" data-width=\"" + std::to_string(blob.width) + "\" data-filter=\"" + std::to_string(int(best_filter)) + "\">" +
-         base64(deflated(best, usual)) + "</script>\n";
+         "\" data-width=\"" + std::to_string(blob.width) + "\" data-filter=\"" + std::to_string(int(best_filter)) +
+         "\">" + base64(deflated(best, usual)) + "</script>\n";
 }
 
 std::string script_safe(const Json& json) {
