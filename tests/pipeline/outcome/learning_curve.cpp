@@ -201,7 +201,8 @@ TEST_CASE("the teacher helps few trials, its weight is a setting, and the same s
   std::printf("60 trials, mean square error of P(go): alone %.4f, taught %.4f\n", alone, taught);
   CHECK(taught < 1.05 * alone);
   CHECK(read_file(trained("again", "{}")) == read_file(scratch() / "taught.h5"));
-  CHECK(learning::read_model(scratch() / "taught.h5").provenance.at("teacher_weight").number() == teacher_weight(58));
+  CHECK(learning::read_model(scratch() / "taught.h5").provenance.at("teacher_weight").number() ==
+        teacher_share({}, 58).weight);
   refused([&] { read_learning_settings(section(R"({"teacher": -1})")); }, "teacher");
 }
 
