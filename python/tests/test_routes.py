@@ -18,7 +18,7 @@ import gonogo
 
 CELL, ROWS, COLUMNS, WEST, SOUTH = 10.0, 60, 40, 730000.0, 4368000.0
 NORTH = SOUTH + ROWS * CELL
-START, END, UPHILL = "730055,4368055", "730345,4368255", "730345,4368355"
+START, END, UPHILL = "730055,4368055", "730345,4368255", "730345,4368335"
 GO, SLOW_GO, NO_GO, UNKNOWN = 1, 2, 3, 4
 
 
@@ -111,7 +111,7 @@ def test_a_track_stays_within_a_quarter_of_a_cell_a_metre_and_five_seconds_of_th
     line = line_of(tmp_path / "way.gpkg", "fastest")
     with rasterio.open(tmp_path / "costs.tif") as file:
         layer = dict(zip(file.descriptions, file.read().astype(float)))
-    with rasterio.open(ground.folder / "elevation.vrt") as file:
+    with rasterio.open(ground.folder / "elevation.tif") as file:
         height = file.read(1).astype(float)
 
     def cell(place):
@@ -192,7 +192,7 @@ def test_layers_for_grid_map_are_what_public_parsers_and_the_map_say(route, grou
             if file.variables["y"][0] < file.variables["y"][-1]:  # rows from the south
                 layer = layer[::-1]
             np.testing.assert_array_equal(layer, band, err_msg=name)
-    with rasterio.open(ground.folder / "elevation.vrt") as file:
+    with rasterio.open(ground.folder / "elevation.tif") as file:
         np.testing.assert_array_equal(bands["elevation"], file.read(1))
     best, worst = ground.raster("go_best").values, ground.raster("go_worst").values
     for heading in range(0, 360, 45):
@@ -218,7 +218,7 @@ def test_bad_input_is_refused_in_one_sentence(route, words, told, tmp_path):
     words = [str(tmp_path / word) if word.startswith(("none.", "map.")) else word for word in words]
     said = route(*words, "--out", tmp_path / "way.gpkg", status=2) if "--from" in words else route(*words, status=2)
     assert all(part in said for part in told), said
-    assert len(said.strip().splitlines()) == 1
+    assert len([line for line in said.strip().splitlines() if not line.startswith("map: ")]) == 1  # beside progress
     assert not list(tmp_path.iterdir())
 
 

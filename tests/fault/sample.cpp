@@ -14,7 +14,7 @@ namespace {
 TEST_CASE("gonogo sample writes rows of the shipped model, the same ones every time") {
   const TemporaryFolder folder;
   const std::vector<std::string> words = {"sample", "--model",     "hmmwv",  "--set", "slope_along=12",
-                                          "--set",  "payload=500", "--rows", "300",   "--seed",
+                                          "--set",  "payload=500", "--rows", "3000",  "--seed",
                                           "4",      "--json",      "--out"};
   const auto to = [&](const std::string& name, const std::string& threads) {
     std::vector<std::string> line = words;
@@ -26,19 +26,19 @@ TEST_CASE("gonogo sample writes rows of the shipped model, the same ones every t
   REQUIRE(first.exit_code == 0);
   CHECK(read_file(folder / "a.csv") == read_file(folder / "b.csv"));
   const Json report = Json::parse(first.out, "stdout");
-  CHECK(report.at("rows").integer() == 300);
+  CHECK(report.at("rows").integer() == 3000);
   CHECK(report.at("known").at("payload").number() == 500);
   CHECK(report.at("mixed").boolean());
-  CHECK(report.at("least_effective_rows").number() > 100);
+  CHECK(report.at("least_effective_rows").number() > 1000);
   std::istringstream csv(read_file(folder / "a.csv"));
   std::string line;
   std::size_t lines = 0;
   while (std::getline(csv, line)) lines += lines == 0 || line.rfind("12,", 0) == 0;
-  CHECK(lines == 301);
+  CHECK(lines == 3001);
 
   REQUIRE(to("rows.h5", "1").exit_code == 0);
   const Hdf5Reader in(folder / "rows.h5");
-  CHECK(in.array<std::int32_t>("outcome").size() == 300);
+  CHECK(in.array<std::int32_t>("outcome").size() == 3000);
 }
 
 TEST_CASE("gonogo sample from the prior agrees with gonogo infer") {

@@ -58,7 +58,7 @@ std::vector<std::string> ground_words(const StudyFolder& study) {
 
 }  // namespace
 
-TEST_CASE("a map ends at once wherever it is interrupted, and leaves no half map") {
+TEST_CASE("a map ends at once wherever it is interrupted and leaves no half map") {
   StudyFolder study;
   study.write();
   const TemporaryFolder folder;
@@ -73,7 +73,7 @@ TEST_CASE("a map ends at once wherever it is interrupted, and leaves no half map
   });
 }
 
-TEST_CASE("trials, training and a map in one ends wherever it is interrupted, and goes on") {
+TEST_CASE("a run of trials and training and a map ends wherever it is interrupted and goes on") {
   std::vector<std::unique_ptr<StudyFolder>> studies;
   interrupt([&](int) {
     studies.push_back(std::make_unique<StudyFolder>());
