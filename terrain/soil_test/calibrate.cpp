@@ -10,6 +10,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/json/config.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "terrain/soil_test/penetration.h"
 #include "terrain/soil_test/strength_test.h"
@@ -120,14 +121,14 @@ PlateSettings plate_settings(const CalibrationRun& run) {
 std::vector<Packing> settled(const std::vector<BedSpec>& specs, const CalibrationRun& run) {
   if (run.device != sim::Backend::cpu) return settle_packings(specs, 1);
   std::vector<Packing> beds(specs.size());
-  run_jobs(specs.size(), run.threads, [&](std::size_t i) {
-    stop_if_cancelled();
+  const auto settle = [&](std::size_t i) {
     try {
       beds[i] = settle_packing(specs[i], 1);
     } catch (const DeviceError&) {
       beds[i] = {};
     }
-  });
+  };
+  for_each_on_host(specs.size(), 1, settle, run.threads);
   return beds;
 }
 

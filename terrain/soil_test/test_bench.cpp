@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 
 namespace gonogo::terrain {
@@ -263,34 +264,12 @@ void TestBench::run(std::size_t count, const std::function<void(std::size_t)>& j
   if (hall_)
     hall_->run(count, job);
   else
-    run_jobs(count, threads_, job);
+    for_each_on_host(count, 1, job, threads_);
 }
 
 std::unique_ptr<TestSeat> TestBench::seat(const sim::SceneWorld& world, const sim::StepSettings& settings,
                                           int threads) {
   return hall_ ? hall_->seat(world, settings) : own_seat(world, settings, threads);
-}
-
-void run_jobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job) {
-  std::exception_ptr failure;
-  bool failed = false;
-#pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
-  for (std::size_t k = 0; k < count; ++k) {
-    bool skip;
-#pragma omp critical(soil_test_jobs)
-    skip = failed;
-    if (skip) continue;
-    try {
-      job(k);
-    } catch (...) {
-#pragma omp critical(soil_test_jobs)
-      {
-        if (!failed) failure = std::current_exception();
-        failed = true;
-      }
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace gonogo::terrain

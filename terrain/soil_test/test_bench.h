@@ -51,9 +51,6 @@ class TestBench {
   std::unique_ptr<Hall> hall_;  // of tests that step together
 };
 
-/// Runs job(0) .. job(count - 1) on the CPU, `threads` at a time, in the same way.
-void run_jobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job);
-
 /// A simulation on the CPU for one test.
 std::unique_ptr<TestSeat> own_seat(const sim::SceneWorld& world, const sim::StepSettings& settings, int threads);
 

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "pipeline/inspect/soil_tests.h"
 #include "terrain/soil/calibration.h"
@@ -180,7 +181,7 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
   std::vector<double> density(results.size());
   Progress progress("validate soils inversion", "tests", results.size());
   std::size_t done = 0;
-  terrain::run_jobs(results.size(), run.threads, [&](std::size_t k) {
+  const auto test = [&](std::size_t k) {
     const std::size_t within = k % each;
     const std::uint64_t seed = kNewSeed + within / loads;
     const Inverted& soil = soils[k / each];
@@ -189,7 +190,8 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
     density[k] = bulk_density_of(c, fit, seed);
 #pragma omp critical(inversion_progress)
     progress.update(++done, "");
-  });
+  };
+  for_each_on_host(results.size(), 1, test, run.threads);
   for (std::size_t i = 0; i < soils.size(); ++i) {
     const auto begin = results.begin() + std::ptrdiff_t(i * each);
     const auto s = terrain::triaxial_strength({begin, begin + std::ptrdiff_t(each)}, soils[i].soil.cohesion > 0);

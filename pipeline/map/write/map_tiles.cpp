@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "base/parallel/for_each.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "base/units.h"
 
@@ -249,19 +249,14 @@ void MapTiles::collect(SoilTable& table, MapDigest& digest) const {
 }
 
 std::vector<fs::path> MapTiles::finish() {
-  FirstError error;
   Progress progress("map", "layers", writers_.size());
   std::size_t done = 0;
-  const int threads = request_.threads > 0 ? request_.threads : omp_get_max_threads();
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-  for (std::size_t l = 0; l < writers_.size(); ++l)
-    error.guard([&] {
-      stop_if_cancelled();
-      writers_[l]->finish(1);
+  const auto finish = [&](std::size_t l) {
+    writers_[l]->finish(1);
 #pragma omp critical(gonogo_map_progress)
-      progress.update(++done);
-    });
-  error.rethrow();
+    progress.update(++done);
+  };
+  for_each_on_host(writers_.size(), 1, finish, request_.threads);
   progress.finish();
   return files_;
 }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/math/random.h"
+#include "base/parallel/host_loop.h"
 
 namespace gonogo::outcome {
 namespace {
@@ -230,9 +231,7 @@ CodeMachine::Reference CodeMachine::outcomes() const {
     return {std::move(exact), std::vector<double>(count, 0.0)};
   }
   std::vector<std::vector<double>> mean(kChains);
-#pragma omp parallel for schedule(static)
-  for (std::ptrdiff_t chain = 0; chain < std::ptrdiff_t(kChains); ++chain)
-    mean[std::size_t(chain)] = chain_mean(*group, std::uint64_t(chain));
+  for_each_on_host(kChains, 1, [&](std::size_t chain) { mean[chain] = chain_mean(*group, chain); });
   Reference result{std::vector<double>(group->word.size(), 0.0), std::vector<double>(group->word.size(), 0.0)};
   for (std::size_t y = 0; y < group->word.size(); ++y) {
     double sum = 0, square = 0;
