@@ -262,31 +262,48 @@ void ratio(const std::vector<double>& part, const std::vector<double>& weight, d
 
 }  // namespace
 
+void Posterior::outcome_shares(const Question& asked, bool in_products, std::span<const std::size_t> bins,
+                               std::span<double> result) const {
+  const std::size_t hidden = asked.field.size(), depth = asked.unknown.size(), outcomes = outcome_count();
+  const std::size_t lanes = result.size() / outcomes;
+  std::vector<double> field(hidden), inverse(hidden * kLanes, 1.0), product(products_.padded_outcomes() * kLanes);
+  for (std::size_t l = 0; l < lanes; ++l) {
+    field = asked.field;
+    for (std::size_t k = 0; k < depth; ++k) {
+      const double* of_bin = nodes_[asked.unknown[k]].field.data() + bins[l * depth + k] * hidden;
+      for (std::size_t j = 0; j < hidden; ++j) field[j] += of_bin[j];
+    }
+    if (!in_products) outcome_shares(field, result.subspan(l * outcomes, outcomes));
+    for (std::size_t j = 0; j < hidden && in_products; ++j) inverse[j * kLanes + l] = std::exp(-field[j]);
+  }
+  if (!in_products) return;
+  products_(inverse, product);
+  for (std::size_t l = 0; l < lanes; ++l) {
+    double total = 0;
+    for (std::size_t y = 0; y < outcomes; ++y) total += product[y * kLanes + l];
+    for (std::size_t y = 0; y < outcomes; ++y) result[l * outcomes + y] = product[y * kLanes + l] / total;
+  }
+}
+
 /// Draws of group `g`, added to its sums. `prior`: [unknown variable][bin].
 void Posterior::draw_group(const Question& asked, const std::vector<std::vector<double>>& prior,
                            const MarginalOptions& options, std::size_t g, DrawnSums& sums) const {
-  const std::size_t hidden = asked.field.size(), depth = asked.unknown.size(), outcomes = outcome_count();
-  std::vector<std::size_t> bin(depth);
+  const std::size_t depth = asked.unknown.size(), outcomes = outcome_count();
   const bool in_products = products_fit(asked.field, asked.unknown);
-  std::vector<double> known = asked.field, drawn, p(in_products ? padded_outcomes() : outcomes);
-  if (in_products)
-    for (double& x : known) x = std::exp(x);
-  for (std::size_t d = 0; d < options.sweeps; ++d) {
-    drawn = known;
-    for (std::size_t k = 0; k < depth; ++k) {
-      bin[k] = draw(prior[k], random_unit(options.seed, g, d * depth + k));
-      const Nodes& nodes = nodes_[asked.unknown[k]];
-      const double* of_bin = (in_products ? nodes.factor : nodes.field).data() + bin[k] * hidden;
-      for (std::size_t j = 0; j < hidden; ++j) drawn[j] = in_products ? drawn[j] * of_bin[j] : drawn[j] + of_bin[j];
+  std::vector<std::size_t> bins(kLanes * depth);
+  std::vector<double> shares(kLanes * outcomes);
+  for (std::size_t first = 0; first < options.sweeps; first += kLanes) {
+    const std::size_t lanes = std::min(kLanes, options.sweeps - first);
+    for (std::size_t i = 0; i < lanes * depth; ++i)
+      bins[i] = draw(prior[i % depth], random_unit(options.seed, g, first * depth + i));
+    outcome_shares(asked, in_products, bins, std::span(shares).first(lanes * outcomes));
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const std::span<const double> p = std::span(shares).subspan(l * outcomes, outcomes);
+      const double weight = asked.outcome ? p[*asked.outcome] : 1;
+      sums.weight += weight;
+      for (std::size_t k = 0; k < depth; ++k) sums.bins[k][bins[l * depth + k]] += weight;
+      for (std::size_t y = 0; y < outcomes; ++y) sums.outcome[y] += p[y];
     }
-    if (in_products)
-      shares_of_products(drawn, p);
-    else
-      outcome_shares(drawn, p);
-    const double weight = asked.outcome ? p[*asked.outcome] : 1;
-    sums.weight += weight;
-    for (std::size_t k = 0; k < depth; ++k) sums.bins[k][bin[k]] += weight;
-    for (std::size_t y = 0; y < outcomes; ++y) sums.outcome[y] += p[y];
   }
 }
 

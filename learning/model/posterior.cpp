@@ -42,7 +42,7 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights, con
         for (std::size_t j = 0; j < hidden; ++j) field[j] += weights.weight[i * hidden + j];
       }
     }
-    for (const double field : nodes.field) nodes.factor.push_back(std::exp(field));
+    for (const double field : nodes.field) nodes.inverse.push_back(std::exp(-field));
     nodes_.push_back(std::move(nodes));
   }
   const std::size_t first = layout.input_unit_count();
@@ -51,7 +51,6 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights, con
   for (double u : outcome_weight_) {
     outcome_factor_.push_back(std::exp(u));
     largest_outcome_weight_ = std::max(largest_outcome_weight_, u);
-    largest_outcome_size_ = std::max(largest_outcome_size_, std::abs(u));
   }
   if (!prior.empty()) take_prior(prior);
   prepare_products();
@@ -223,106 +222,121 @@ PosteriorAnswer Posterior::sum_logarithms(const std::vector<double>& field,
   return answer;
 }
 
-// The sum of Posterior::sum_logarithms in products instead of logarithms: with a_j = exp(field of hidden unit j),
+// The sum of Posterior::sum_logarithms in products instead of logarithms: with q_y of OutcomeProducts,
 //
-//   q_y = exp(d_y) prod_j (1 + a_j exp(U_yj))
-//   P(y | known) proportional to sum over combinations of exp(bias) q_y             the machine's own distribution
-//   P(y | known)               = sum over combinations of prior q_y / sum_y q_y     with a prior for the inputs
+//   P(y | known) proportional to sum over combinations of exp(bias + sum_j f_j) q_y   the machine's own distribution
+//   P(y | known)               = sum over combinations of prior q_y / sum_y q_y       with a prior for the inputs
 //
-// where a_j of a combination is the product of what its bins give. No exponential and no logarithm is left inside the
-// sum. Only where no product can leave the range of double; elsewhere there is no answer.
+// No exponential and no logarithm is left inside the sum. Only where no product can leave the range of double;
+// elsewhere there is no answer.
 
 namespace {
 
-constexpr double kMaxLog = 600;  // e^600 times any number of terms is finite in double; e^-600 is not 0
-
-/// product[y] = base[y] prod_j (1 + a_j factor[j][y]), `Width` outcomes at a time so that they stay in registers.
-template <std::size_t Width>
-void multiply(std::span<const double> a, std::span<const double> base, std::span<const double> factor,
-              std::span<double> product) {
-  for (std::size_t first = 0; first < product.size(); first += Width) {
-    std::array<double, Width> part;
-    for (std::size_t y = 0; y < Width; ++y) part[y] = base[first + y];
-    for (std::size_t j = 0; j < a.size(); ++j) {
-      const double* of_hidden = factor.data() + j * product.size() + first;
-      for (std::size_t y = 0; y < Width; ++y) part[y] *= 1 + a[j] * of_hidden[y];
-    }
-    for (std::size_t y = 0; y < Width; ++y) product[first + y] = part[y];
-  }
-}
+constexpr double kMaxLog = 600;         // e^600 times any number of terms is finite in double; e^-600 is not 0
+constexpr std::size_t kMaxInner = 256;  // combinations whose exp(-field) are tabulated
 
 }  // namespace
 
+/// Log of a bin's weight in the sum. Without a prior it holds the first factor of OutcomeProducts.
 void Posterior::prepare_products() {
   const std::size_t hidden = hidden_bias_.size();
   for (Nodes& nodes : nodes_) {
-    const double heaviest = *std::max_element(nodes.bias.begin(), nodes.bias.end());
-    for (const double bias : nodes.bias) nodes.weight.push_back(std::exp(bias - heaviest));
+    nodes.log_weight = nodes.bias;
+    for (std::size_t bin = 0; bin < nodes.bias.size() && !has_prior_; ++bin)
+      for (std::size_t j = 0; j < hidden; ++j) nodes.log_weight[bin] += nodes.field[bin * hidden + j];
+    const double heaviest = *std::max_element(nodes.log_weight.begin(), nodes.log_weight.end());
+    for (double& weight : nodes.log_weight) weight -= heaviest;
   }
-  const double largest = *std::max_element(outcome_bias_.begin(), outcome_bias_.end());
-  outcome_base_.assign(padded_outcomes(), 0.0);
-  outcome_factor_by_hidden_.assign(hidden * padded_outcomes(), 0.0);
-  for (std::size_t y = 0; y < outcome_count(); ++y) {
-    outcome_base_[y] = std::exp(outcome_bias_[y] - largest);
-    for (std::size_t j = 0; j < hidden; ++j)
-      outcome_factor_by_hidden_[j * padded_outcomes() + y] = outcome_factor_[y * hidden + j];
-  }
+  if (outcome_count() > 0) products_ = OutcomeProducts(outcome_bias_, outcome_weight_);
 }
 
-/// Whether every number of the sum stays in the range of double: each factor on its way, by the sizes of what is added
-/// up in its exponent, the products of all hidden units, by the largest softplus of each (no factor is below 1), and
-/// exp(d).
+/// Whether every number of the sum stays in the range of double, by the extreme fields of every hidden unit.
 bool Posterior::products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const {
-  const auto [smallest, largest] = std::minmax_element(outcome_bias_.begin(), outcome_bias_.end());
-  if (!(*largest - *smallest < kMaxLog)) return false;
   const std::size_t hidden = field.size();
-  double log_product = 0;
+  std::vector<double> lowest(field.begin(), field.end()), highest = lowest;
+  double lightest = 0;
   for (std::size_t j = 0; j < hidden; ++j) {
-    double size = std::abs(field[j]) + largest_outcome_size_, highest = field[j] + largest_outcome_weight_;
+    double size = std::abs(field[j]);
     for (const std::size_t v : unknown) {
-      double largest_size = 0, largest_field = -INFINITY;
+      double least = INFINITY, most = -INFINITY;
       for (std::size_t bin = 0; bin < nodes_[v].bias.size(); ++bin) {
-        largest_size = std::max(largest_size, std::abs(nodes_[v].field[bin * hidden + j]));
-        largest_field = std::max(largest_field, nodes_[v].field[bin * hidden + j]);
+        least = std::min(least, nodes_[v].field[bin * hidden + j]);
+        most = std::max(most, nodes_[v].field[bin * hidden + j]);
       }
-      size += largest_size;
-      highest += largest_field;
+      lowest[j] += least;
+      highest[j] += most;
+      size += std::max(std::abs(least), std::abs(most));
     }
     if (!(size < kMaxLog)) return false;
-    log_product += softplus(highest);
   }
-  return log_product < kMaxLog;
+  for (const std::size_t v : unknown)
+    if (!has_prior_) lightest += *std::min_element(nodes_[v].log_weight.begin(), nodes_[v].log_weight.end());
+  return products_.fit(lowest, highest, kMaxLog + lightest);
+}
+
+/// All combinations of bins of some variables, kLanes at a time. The last block is filled up with weight 0.
+struct Posterior::LaneBlocks {
+  std::size_t count = 0;        // blocks
+  std::vector<double> inverse;  // exp(-field) [block][hidden][lane]
+  std::vector<double> weight;   // [block][lane]
+};
+
+Posterior::LaneBlocks Posterior::lane_blocks(const std::vector<std::size_t>& unknown) const {
+  const std::size_t hidden = hidden_bias_.size();
+  const std::vector<std::size_t> bins = bin_counts(unknown);
+  const std::size_t terms =
+      std::accumulate(bins.begin(), bins.end(), std::size_t(1), [](auto a, auto b) { return a * b; });
+  LaneBlocks blocks;
+  blocks.count = (terms + kLanes - 1) / kLanes;
+  blocks.inverse.assign(blocks.count * hidden * kLanes, 1.0);
+  blocks.weight.assign(blocks.count * kLanes, 0.0);
+  for (std::size_t term = 0; term < terms; ++term) {
+    double* lane = blocks.inverse.data() + term / kLanes * hidden * kLanes + term % kLanes;
+    double log_weight = 0;
+    for (std::size_t k = 0, rest = term; k < unknown.size(); rest /= bins[k++]) {
+      const Nodes& nodes = nodes_[unknown[k]];
+      log_weight += nodes.log_weight[rest % bins[k]];
+      const double* of_bin = nodes.inverse.data() + rest % bins[k] * hidden;
+      for (std::size_t j = 0; j < hidden; ++j) lane[j * kLanes] *= of_bin[j];
+    }
+    blocks.weight[term] = std::exp(log_weight);
+  }
+  return blocks;
 }
 
 std::vector<double> Posterior::outcome_products(std::span<const double> field,
                                                 const std::vector<std::size_t>& unknown) const {
-  const std::size_t hidden = field.size(), depth = unknown.size();
+  std::size_t depth = unknown.size(), terms = 1;  // the first `depth` variables are outside the tabulated blocks
+  for (const auto bins = bin_counts(unknown); depth > 0 && (terms == 1 || terms * bins[depth - 1] <= kMaxInner);)
+    terms *= bins[--depth];
+  const std::vector<std::size_t> outer(unknown.begin(), unknown.begin() + std::ptrdiff_t(depth));
+  const LaneBlocks inner = lane_blocks({unknown.begin() + std::ptrdiff_t(depth), unknown.end()});
+  const std::size_t hidden = field.size();
   // Level k: what the known and the first k unknown variables give.
-  std::vector<std::vector<double>> power(depth + 1, std::vector<double>(hidden));
-  std::vector<double> weight(depth + 1, 1.0), product(padded_outcomes()), sum(padded_outcomes(), 0.0);
-  for (std::size_t j = 0; j < hidden; ++j) power[0][j] = std::exp(field[j]);
+  std::vector<std::vector<double>> inverse(depth + 1, std::vector<double>(hidden));
+  std::vector<double> log_weight(depth + 1, 0.0);
+  std::array<double, kLanes> weight;
+  OutcomeProducts::Sum sum(products_);
+  for (std::size_t j = 0; j < hidden; ++j) inverse[0][j] = std::exp(-field[j]);
   for_each_combination(
-      bin_counts(unknown),
+      bin_counts(outer),
       [&](std::size_t k, std::size_t bin) {
-        const Nodes& nodes = nodes_[unknown[k]];
-        const double* factor = nodes.factor.data() + bin * hidden;
-        for (std::size_t j = 0; j < hidden; ++j) power[k + 1][j] = power[k][j] * factor[j];
-        weight[k + 1] = weight[k] * nodes.weight[bin];
+        const Nodes& nodes = nodes_[outer[k]];
+        const double* of_bin = nodes.inverse.data() + bin * hidden;
+        for (std::size_t j = 0; j < hidden; ++j) inverse[k + 1][j] = inverse[k][j] * of_bin[j];
+        log_weight[k + 1] = log_weight[k] + nodes.log_weight[bin];
       },
       [&] {
-        multiply<kOutcomesAtOnce>(power[depth], outcome_base_, outcome_factor_by_hidden_, product);
-        const double share =
-            has_prior_ ? weight[depth] / std::accumulate(product.begin(), product.end(), 0.0) : weight[depth];
-        for (std::size_t y = 0; y < sum.size(); ++y) sum[y] += share * product[y];
+        const double outer_weight = std::exp(log_weight[depth]);
+        for (std::size_t block = 0; block < inner.count; ++block) {
+          for (std::size_t l = 0; l < kLanes; ++l) weight[l] = outer_weight * inner.weight[block * kLanes + l];
+          products_.add(inverse[depth], std::span(inner.inverse).subspan(block * hidden * kLanes, hidden * kLanes),
+                        weight, has_prior_, sum);
+        }
       });
-  sum.resize(outcome_count());
-  return sum;
-}
-
-void Posterior::shares_of_products(std::span<const double> power, std::span<double> product) const {
-  multiply<kOutcomesAtOnce>(power, outcome_base_, outcome_factor_by_hidden_, product);
-  const double total = std::accumulate(product.begin(), product.end(), 0.0);
-  for (double& p : product) p /= total;
+  std::vector<double> result(outcome_count(), 0.0);
+  for (std::size_t i = 0; i < result.size() * kLanes; ++i) result[i / kLanes] += sum.weighted[i];
+  return result;
 }
 
 std::optional<PosteriorAnswer> Posterior::sum_products(std::span<const double> field,

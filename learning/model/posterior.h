@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "learning/encoding/layout.h"
+#include "learning/model/outcome_products.h"
 #include "learning/model/weights.h"
 
 namespace gonogo::learning {
@@ -70,14 +71,14 @@ class Posterior {
   std::size_t outcome_count() const { return outcome_bias_.size(); }
 
  private:
-  struct Nodes {                 // one variable: contributions of each bin's code word
-    std::vector<double> middle;  // [bin count] middles of the bins [unit of the variable]
-    std::vector<double> half;    // [bin count] half of their widths; 0 of categories
-    std::vector<double> field;   // [bin count x hidden count]
-    std::vector<double> bias;    // [bin count]: visible biases of the code word, or the log of the prior
-    std::vector<double> factor;  // exp(field)
-    std::vector<double> weight;  // exp(bias), the largest 1
-    bool smooth = true;          // interpolated between middles; false for categories
+  struct Nodes {                     // one variable: contributions of each bin's code word
+    std::vector<double> middle;      // [bin count] middles of the bins [unit of the variable]
+    std::vector<double> half;        // [bin count] half of their widths; 0 of categories
+    std::vector<double> field;       // [bin count x hidden count]
+    std::vector<double> bias;        // [bin count]: visible biases of the code word, or the log of the prior
+    std::vector<double> inverse;     // exp(-field)
+    std::vector<double> log_weight;  // the largest 0; see prepare_products()
+    bool smooth = true;              // interpolated between middles; false for categories
     std::size_t unit_count = 0;
   };
   void add_field(const Nodes& nodes, double x, std::span<double> field) const;
@@ -88,15 +89,12 @@ class Posterior {
   PosteriorAnswer sum_logarithms(const std::vector<double>& field, const std::vector<std::size_t>& unknown) const;
   std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
                                               const std::vector<std::size_t>& unknown) const;
-  static constexpr std::size_t kOutcomesAtOnce = 8;
-  std::size_t padded_outcomes() const {
-    return (outcome_count() + kOutcomesAtOnce - 1) / kOutcomesAtOnce * kOutcomesAtOnce;
-  }
+  static constexpr std::size_t kLanes = OutcomeProducts::kLanes;
   void prepare_products();
   bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
+  struct LaneBlocks;  // posterior.cpp
+  LaneBlocks lane_blocks(const std::vector<std::size_t>& unknown) const;
   std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
-  /// P(outcome) of one combination. power: a of sum_products() [hidden]; product: [padded_outcomes()], 0 beyond.
-  void shares_of_products(std::span<const double> power, std::span<double> product) const;
   std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>
@@ -107,6 +105,9 @@ class Posterior {
   JointAnswer joint_sum(const Question& asked) const;
   JointAnswer joint_sample(const Question& asked, const MarginalOptions& options) const;
   struct DrawnSums;  // joint.cpp
+  /// P(outcome) of up to kLanes combinations. bins: [lane][unknown variable]; result: [lane][outcome].
+  void outcome_shares(const Question& asked, bool in_products, std::span<const std::size_t> bins,
+                      std::span<double> result) const;
   void draw_group(const Question& asked, const std::vector<std::vector<double>>& prior, const MarginalOptions& options,
                   std::size_t g, DrawnSums& sums) const;
   JointAnswer joint_drawn(const Question& asked, const MarginalOptions& options) const;
@@ -118,12 +119,11 @@ class Posterior {
 
   std::vector<Nodes> nodes_;
   std::vector<double> hidden_bias_;
-  std::vector<double> outcome_bias_;              // d [outcome count]
-  std::vector<double> outcome_weight_;            // U [outcome count x hidden count]
-  std::vector<double> outcome_factor_;            // exp(U)
-  std::vector<double> outcome_base_;              // exp(d), the largest 1 [padded_outcomes()], 0 beyond the outcomes
-  std::vector<double> outcome_factor_by_hidden_;  // exp(U) [hidden count x padded_outcomes()], 0 beyond the outcomes
-  double largest_outcome_weight_ = 0, largest_outcome_size_ = 0;
+  std::vector<double> outcome_bias_;    // d [outcome count]
+  std::vector<double> outcome_weight_;  // U [outcome count x hidden count]
+  std::vector<double> outcome_factor_;  // exp(U)
+  double largest_outcome_weight_ = 0;
+  OutcomeProducts products_;
   bool has_prior_ = false;
 };
 

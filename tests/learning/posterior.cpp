@@ -219,6 +219,27 @@ TEST_CASE("with a prior unknown variables are summed out over it, whatever the m
   CHECK(uniform[1] == std::vector<double>(4, 0.25));
 }
 
+TEST_CASE("many combinations and outcomes are summed as the mean of single answers") {
+  std::vector<Encoder> encoders;
+  for (const int bins : {5, 5, 9, 3, 5})
+    encoders.push_back(Encoder::by_range("v" + std::to_string(bins), "-", Code::thermometer, bins, 0, bins));
+  const VisibleLayout layout(encoders, {"a", "b", "c", "d", "e", "f", "g"});
+  const Posterior posterior(layout, random_machine(layout.unit_count(), 11, 1.5, 3), uniform_prior(layout));
+  const std::vector<double> asked = {2.3, kUnknown, kUnknown, kUnknown, kUnknown};
+  std::vector<double> x = asked, p(7), expected(7, 0.0);
+  for (int k = 0; k < 5 * 9 * 3 * 5; ++k) {
+    for (std::size_t v = 1, rest = std::size_t(k); v < 5; ++v) {
+      const auto bins = std::size_t(encoders[v].bin_count());
+      x[v] = encoders[v].value(int(rest % bins));
+      rest /= bins;
+    }
+    posterior(x, p);
+    for (std::size_t y = 0; y < 7; ++y) expected[y] += p[y] / (5 * 9 * 3 * 5);
+  }
+  const std::vector<double> answer = posterior.marginal(asked).probability;
+  for (std::size_t y = 0; y < 7; ++y) CHECK(answer[y] == Approx(expected[y]).epsilon(1e-12));
+}
+
 TEST_CASE("tempering answers where clamped chains without it stay in the mode they start in") {
   // Outcome and variable agree in one of two modes that are held by strong weights: P = 1/2 each by symmetry.
   const VisibleLayout layout({Encoder::by_range("a", "-", Code::thermometer, 9, 0, 9)}, {"go", "no_go"});
