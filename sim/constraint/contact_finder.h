@@ -17,6 +17,7 @@ struct ContactFinder {
   LargeGroups large_groups;
   View<const BodyMass> mass;
   View<const MechanismBody> jointed;
+  View<const std::uint8_t> strangeness;  // [body], or empty
   SurfaceView surfaces;
   Real envelope;
   bool solids_binned;  // some binned shape is no sphere
@@ -26,6 +27,7 @@ struct ContactFinder {
     const Shape &a = shape[i], &b = shape[j];
     if (a.body == b.body || (a.group != 0 && a.group == b.group)) return false;
     if (is_fixed(mass[a.body]) && is_fixed(mass[b.body])) return false;
+    if (strangeness.size > 0 && strangeness[a.body] + strangeness[b.body] >= kTooStrange) return false;
     const Index slot_a = mass[a.body].slot, slot_b = mass[b.body].slot;
     return slot_a < 0 || slot_b < 0 || jointed[slot_a].mechanism != jointed[slot_b].mechanism;
   }

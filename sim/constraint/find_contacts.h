@@ -276,6 +276,7 @@ ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
           .large_groups = s.large_groups,
           .mass = s.mass.view(),
           .jointed = s.mechanisms.body.view(),
+          .strangeness = s.strangeness.view(),
           .surfaces = s.surfaces.view(),
           .envelope = settings.envelope,
           .solids_binned = s.solids_binned};

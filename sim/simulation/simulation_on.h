@@ -30,6 +30,25 @@ class StageClock {
   Wait wait_;
 };
 
+/// Throws InputError for a snapshot of a world of another size. `remembers`: contacts of this simulation have histories.
+inline void require_fit(const Snapshot& from, const WorldSize& size, bool remembers) {
+  if (Index(from.position.size()) != size.bodies || Index(from.contact_begin.size()) != size.shapes ||
+      Index(from.motor.size()) != size.mechanisms.motors)
+    throw InputError("the snapshot is of a world with " + std::to_string(from.position.size()) + " bodies, " +
+                     std::to_string(from.contact_begin.size()) + " shapes and " + std::to_string(from.motor.size()) +
+                     " motors; this one has " + std::to_string(size.bodies) + ", " + std::to_string(size.shapes) +
+                     " and " + std::to_string(size.mechanisms.motors));
+  if (remembers && from.history.size() != from.key.size())
+    throw InputError("the snapshot holds " + std::to_string(from.key.size()) + " contacts and the histories of " +
+                     std::to_string(from.history.size()) +
+                     "; penalty contact continues from snapshots of penalty contact only");
+  if (!from.element.fits(size.elements))
+    throw InputError("the snapshot is of a world with " + std::to_string(from.element.controller.size()) +
+                     " controllers and " + std::to_string(from.element.sample.size()) +
+                     " samples of monitors; this one has " + std::to_string(size.elements.controllers) + " and " +
+                     std::to_string(size.elements.samples));
+}
+
 /// Takes steps and owns the SolverStorage. Specialised by each backend.
 template <class Exec>
 class StepQueue;
@@ -271,22 +290,7 @@ class SimulationOn final : public Simulation, public StepByStage {
   }
 
   void restore(WorldIndex w, const Snapshot& from) override {
-    const WorldSize size = batch_.flat[w].size();
-    if (Index(from.position.size()) != size.bodies || Index(from.contact_begin.size()) != size.shapes ||
-        Index(from.motor.size()) != size.mechanisms.motors)
-      throw InputError("the snapshot is of a world with " + std::to_string(from.position.size()) + " bodies, " +
-                       std::to_string(from.contact_begin.size()) + " shapes and " + std::to_string(from.motor.size()) +
-                       " motors; this one has " + std::to_string(size.bodies) + ", " + std::to_string(size.shapes) +
-                       " and " + std::to_string(size.mechanisms.motors));
-    if (batch_.state.remembers && from.history.size() != from.key.size())
-      throw InputError("the snapshot holds " + std::to_string(from.key.size()) + " contacts and the histories of " +
-                       std::to_string(from.history.size()) +
-                       "; penalty contact continues from snapshots of penalty contact only");
-    if (!from.element.fits(size.elements))
-      throw InputError("the snapshot is of a world with " + std::to_string(from.element.controller.size()) +
-                       " controllers and " + std::to_string(from.element.sample.size()) +
-                       " samples of monitors; this one has " + std::to_string(size.elements.controllers) + " and " +
-                       std::to_string(size.elements.samples));
+    require_fit(from, batch_.flat[w].size(), batch_.state.remembers);
     if (from.place_of_body != batch_.flat[w].place_of_body)
       batch_.replace(w, rearranged(batch_.flat[w], from.place_of_body, settings_));
     const Place& at = batch_.place[w];
@@ -318,6 +322,22 @@ class SimulationOn final : public Simulation, public StepByStage {
   }
 
   const StepSettings& settings() const override { return settings_; }
+
+  // For a part of a divided world (parts/).
+
+  BatchArrays<Exec>& arrays() { return batch_; }
+
+  /// The store that the latest step wrote.
+  ContactStore<Exec>& latest() { return batch_.state.store[1 - batch_.state.parity]; }
+
+  /// A step that work(exec, state) takes. Bodies are not sorted.
+  template <class Work>
+  void take_step(const Work& work) {
+    forget_if_changed();
+    queue_.run([&](auto exec) { work(exec, batch_.state); });
+    batch_.state.parity = 1 - batch_.state.parity;
+    count_steps(1);
+  }
 
  private:
   void forget_if_changed() {
@@ -389,9 +409,6 @@ class SimulationOn final : public Simulation, public StepByStage {
               settings_.substep());
     return sum;
   }
-
-  /// The store that the latest step wrote.
-  ContactStore<Exec>& latest() { return batch_.state.store[1 - batch_.state.parity]; }
 
   ContactRange latest_contacts(WorldIndex w) {
     const Index shapes = batch_.flat[w].size().shapes;

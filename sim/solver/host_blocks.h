@@ -164,21 +164,31 @@ struct UpdateTile {
   Index parity;           // which of a block's impulses is the latest
 
   void operator()(Index tile) const {
+    if (momentum[tiles.tile[tile].world].done) return;
+    UpdateSums s;
+    update_blocks(tile, [&](Index, const Pack& uphill, const Pack& residual) {
+      s.uphill += sum_lanes(uphill);
+      s.residual_square += sum_lanes(residual);
+    });
+    sums[tile] = s;
+  }
+
+  /// Calls add(first contact, uphill, residual square) for each block of a tile; the residual is 0 where none is tested.
+  template <class Add>
+  GONOGO_HD_INLINED void update_blocks(Index tile, Add&& add) const {
     const Momentum& m = momentum[tiles.tile[tile].world];
-    if (m.done) return;
     GONOGO_ASSERT(parity == (m.updates & 1));
     const ContactRange range = tiles.contacts(tile);
     const Pack beta = constant<Pack>(m.beta);
-    UpdateSums s;
     for (Index first = range.begin; first < range.end; first += kPackWidth) {
       ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
       const ContactUpdate<Pack> u = update(b, beta, m.renew_slip != 0);
-      if (m.test) s.residual_square += sum_lanes(residual_square<turning>(b.numbers, u));
+      Pack residual{};
+      if (m.test) residual = residual_square<turning>(b.numbers, u);
       b.impulse[1 - parity] = u.impulse;
       scatter_wrenches(b, u.impulse, first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
-      s.uphill += sum_lanes(u.uphill);
+      add(first, u.uphill, residual);
     }
-    sums[tile] = s;
   }
 
   GONOGO_HD_INLINED ContactUpdate<Pack> update(ContactBlock& b, const Pack& beta, bool renew_slip) const {

@@ -153,13 +153,17 @@ struct MeasureTile {
     const ContactRange range = tiles.contacts(tile);
     WorldSums s;
     for (ContactIndex i = range.begin; i < range.end; ++i) {
-      const Contact& c = contact[i];
-      GONOGO_ASSERT(c.world == tiles.tile[tile].world && is_in_cone(c, impulse[i]));
-      const double r = contact_residual(c, velocity[c.body_a], velocity[c.body_b], impulse[i], target);
+      const double r = residual(i);
       s.residual_square += r * r;
       s.residual_max = std::fmax(s.residual_max, r);
     }
     sums[tile] = s;
+  }
+
+  GONOGO_HD_INLINED double residual(ContactIndex i) const {
+    const Contact& c = contact[i];
+    GONOGO_ASSERT(is_in_cone(c, impulse[i]));
+    return contact_residual(c, velocity[c.body_a], velocity[c.body_b], impulse[i], target);
   }
 };
 

@@ -28,14 +28,22 @@ struct GatherVelocity {
   bool first;               // after the warm start
 
   void operator()(BodyIndex b) const {
-    const Momentum& m = momentum[world_of_body[b]];
-    if (m.done) return;
+    if (!momentum[world_of_body[b]].done) move(b, sum_of_wrenches(b));
+  }
+
+  Pack sum_of_wrenches(BodyIndex b) const {
     Pack sum{};
     const Index owned_end = is_fixed(mass[b]) ? 0 : incidence.owned_end(b);  // nothing moves a fixed body
     for (Index i = incidence.owned_begin(b); i < owned_end; ++i)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_a[i]);
     for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_b[k]);
+    return sum;
+  }
+
+  /// Moves a body by the sum of its wrenches.
+  void move(BodyIndex b, const Pack& sum) const {
+    const Momentum& m = momentum[world_of_body[b]];
     if (before.size > 0) before[b] = velocity[b];
     if (mass[b].isotropic && mass[b].slot < 0) return set_velocity(b, sum, m.next_beta);
     Vec3 angular{sum[4], sum[5], sum[6]};
@@ -139,22 +147,25 @@ inline void project_mechanisms(Cpu exec, State<Cpu>& s, bool first, bool carried
   for_each_index(exec, s.mechanisms.body.size(), mechanism_projection(s, first, carried), kBodiesInParallel);
 }
 
+inline GatherVelocity velocity_gathering(State<Cpu>& s, SolverStorage<Cpu>& own, bool first) {
+  return {.incidence = incidence(s),
+          .wrench_a = own.wrench_a.view(),
+          .wrench_b = own.wrench_b.view(),
+          .mass = s.mass.view(),
+          .inverse_inertia_W = s.inverse_inertia_W.view(),
+          .motor_moment = motor_moment(s.mechanisms),
+          .free_velocity = s.free_velocity.view(),
+          .world_of_body = s.world_of_body.view(),
+          .momentum = s.momentum.view(),
+          .velocity = s.velocity.view(),
+          .extrapolated_velocity = s.extrapolated_velocity.view(),
+          .gathered = s.mechanisms.gathered.view(),
+          .before = own.velocity_before.view(),
+          .first = first};
+}
+
 inline void gather(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, bool first) {
-  for_each_index(exec, s.body_count,
-                 GatherVelocity{.incidence = incidence(s),
-                                .wrench_a = own.wrench_a.view(),
-                                .wrench_b = own.wrench_b.view(),
-                                .mass = s.mass.view(),
-                                .inverse_inertia_W = s.inverse_inertia_W.view(),
-                                .motor_moment = motor_moment(s.mechanisms),
-                                .free_velocity = s.free_velocity.view(),
-                                .world_of_body = s.world_of_body.view(),
-                                .momentum = s.momentum.view(),
-                                .velocity = s.velocity.view(),
-                                .extrapolated_velocity = s.extrapolated_velocity.view(),
-                                .gathered = s.mechanisms.gathered.view(),
-                                .before = own.velocity_before.view(),
-                                .first = first});
+  for_each_index(exec, s.body_count, velocity_gathering(s, own, first));
   project_mechanisms(exec, s, first, false);
 }
 

@@ -132,7 +132,7 @@ Tiles tiles(State<Exec>& s) {
 
 template <class Exec>
 Index tile_capacity(const State<Exec>& s) {
-  return s.contact_capacity / kTileSize + s.world_count;
+  return s.contact_capacity / kTileSize + s.world_count + s.partial_tiles;
 }
 
 template <class Exec>

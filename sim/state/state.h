@@ -52,6 +52,11 @@ struct LargeGroups {
   int levels = 0;
 };
 
+/// What a body is to a part of a divided world (simulation/parts). A pair of bodies that are together this strange or
+/// more is the business of another part.
+enum Strangeness : std::uint8_t { own_body = 0, shared_body = 1, halo_body = 2 };
+inline constexpr int kTooStrange = 3;
+
 /// Rows that hold the half of the 27 bins around a shape that it searches.
 inline constexpr Index kNeighbourRows = 5;
 
@@ -126,10 +131,12 @@ struct State {
   Buffer<Index, Exec> first_shape;                          // [body + 1]
   Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // [world + 1], [body tile]: runs of kTileSize bodies
   SurfaceStore<Exec> surfaces;
+  Buffer<std::uint8_t, Exec> strangeness;                   // [body] of a part of a world, see Strangeness; else empty
 
   // Set by the host when it needs more room or has queued a step.
   Index contact_capacity = 0;
   Index parity = 0;  // number of the contact store that the next step writes
+  Index partial_tiles = 0;  // max number of tiles that a part of a world has beyond those of a whole one
 
   // State of the bodies: set by the host, moved on by solve() and integrate().
   Buffer<Vec3d, Exec> position;     // [body] centres of mass, inside the period [m]

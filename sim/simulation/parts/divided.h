@@ -1,0 +1,16 @@
+// One world divided over ranks, each of which simulates a part of it (part.h).
+#pragma once
+#include "base/ranks/ranks.h"
+#include "sim/simulation/simulation.h"
+
+namespace gonogo::sim {
+
+/// This rank's view of the whole world, which takes the same steps, bit for bit, as one that make_simulation() makes.
+/// All ranks call the same functions with the same arguments in the same order, and get the same answers. `ranks` must
+/// live as long as the simulation. `threads`: of this rank.
+/// Throws InputError as make_simulation() does, and for a batch of several worlds, for a method other than `apgd` and
+/// `jacobi`, and for more than kMaxParts ranks. Later, DeviceError when a rank is lost.
+std::unique_ptr<Simulation> make_divided_simulation(const SceneWorld& world, const StepSettings& settings, int threads,
+                                                    Ranks& ranks);
+
+}  // namespace gonogo::sim
