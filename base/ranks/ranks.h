@@ -83,9 +83,12 @@ std::vector<T> joined(Ranks& ranks, std::vector<T> own) {
 void run_in_threads(int count, const std::function<void(Ranks&)>& work);
 
 /// The ranks of the MPI job that this process belongs to, started by mpirun. The first call initialises MPI, the end of
-/// the process finalises it. Throws InputError in a build without MPI. What is thrown elsewhere and ends a rank ends the
-/// job.
+/// the process finalises it. Throws InputError in a build without MPI.
 std::unique_ptr<Ranks> mpi_ranks();
+
+/// Ends all processes of the MPI job, and this one, with this exit status. Call where a rank fails: the others would
+/// wait for it.
+[[noreturn]] void end_mpi_job(int status);
 
 /// Whether this program knows MPI.
 bool knows_mpi();

@@ -48,3 +48,84 @@ TEST_CASE("a world divided over one to four ranks has the bits of one in one pie
       }
   }
 }
+
+TEST_CASE("a snapshot of a divided world is that of one in one piece, and continues over any number of ranks") {
+  const DividedScene scene = divided_scene("wheel");
+  constexpr Index kHalf = 40;
+  const auto through = make_simulation(Backend::cpu, {scene.world}, scene.settings, 1);
+  take_steps(*through, scene, 0, kHalf);
+  const Snapshot half = through->snapshot(0);
+  take_steps(*through, scene, kHalf, kHalf);
+  const std::string expected = all_bytes(*through, scene);
+  run_in_threads(3, [&](Ranks& ranks) {
+    const auto simulation = make_divided_simulation(scene.world, scene.settings, 1, ranks);
+    take_steps(*simulation, scene, 0, 7);
+    simulation->restore(0, half);
+    take_steps(*simulation, scene, kHalf, kHalf);
+    const std::string bytes = all_bytes(*simulation, scene);
+    if (ranks.rank() == 1 && bytes != expected) throw DeviceError("other bits");
+  });
+}
+
+TEST_CASE("bodies that are set, laws and motors that change act in all parts") {
+  DividedScene scene = divided_scene("wheel");
+  const auto change = [](Simulation& simulation, Index step) {
+    if (step == 10) simulation.set_motor(0, 0, 6, 50);
+    if (step == 12) simulation.set_law(0, 0, 1, {Real(0.3), Real(0.05), 0});
+    if (step != 15) return;
+    BodyState far = simulation.body(0, 30);
+    far.position = {0.05, 0.3, 0.6};
+    simulation.set_bodies(0, {30, 31}, {far, simulation.body(0, 31)});
+  };
+  scene.drive = change;
+  const std::string whole = in_one_piece(scene, 40);
+  for (const std::string& part : divided(scene, 40, 3)) CHECK(part == whole);
+}
+
+TEST_CASE("what a divided world cannot do is refused in one sentence") {
+  const DividedScene scene = divided_scene("wheel");
+  LoneRank ranks;
+  StepSettings settings = scene.settings;
+  settings.iteration = Iteration::gauss_seidel;
+  CHECK(input_error([&] { make_divided_simulation(scene.world, settings, 1, ranks); }) ==
+        "a world cannot be divided for the method gauss_seidel; use apgd or jacobi, or one rank");
+}
+
+TEST_CASE("a rank that fails ends the others, and its own trouble is reported") {
+  const auto work = [](Ranks& ranks) {
+    if (ranks.rank() == 2) throw DeviceError("the third is lost");
+    joined(ranks, std::vector<int>{1});
+  };
+  CHECK_THROWS_WITH(run_in_threads(3, work), "the third is lost");
+}
+
+TEST_CASE("tiles cut by parts add up as those of one piece") {
+  // Sums in floating point, so that another order would show.
+  Draw draw(9);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Index contacts = Index(draw.between(0, 2000)), parts = 1 + Index(draw.between(0, 5));
+    std::vector<WorldSums> contact(static_cast<std::size_t>(contacts));
+    for (WorldSums& c : contact) c.residual_square = draw.between(0, 1);
+    const auto of_tile = [](const std::vector<WorldSums>& of) {
+      WorldSums sum;
+      for (const WorldSums& c : of) sum += c;
+      return sum;
+    };
+    const auto add = [](WorldSums& a, const WorldSums& b) { a += b; };
+    WorldSums expected;
+    for (Index t = 0; t < contacts; t += kTileSize)
+      add(expected, of_tile({contact.begin() + t, contact.begin() + std::min(t + kTileSize, contacts)}));
+    std::vector<TileCut> cut;
+    std::vector<std::vector<WorldSums>> given;
+    for (Index p = 0, begin = 0; p < parts; ++p) {
+      const Index end = p + 1 == parts ? contacts : begin + Index(draw.between(0, double(contacts - begin)));
+      const TileCut own = cut.emplace_back(tile_cut(begin, end - begin));
+      auto& list = given.emplace_back(contact.begin() + begin, contact.begin() + begin + own.head);
+      for (Index t = begin + own.head; t + kTileSize <= end; t += kTileSize)
+        list.push_back(of_tile({contact.begin() + t, contact.begin() + t + kTileSize}));
+      list.insert(list.end(), contact.begin() + end - own.tail, contact.begin() + end);
+      begin = end;
+    }
+    CHECK(sum_of_parts(cut, given, of_tile, add).residual_square == expected.residual_square);
+  }
+}

@@ -69,7 +69,7 @@ inline DividedScene wheel_on_bed(bool few) {
     scene.settings.give = Real(0.6);
     scene.settings.target = sim::Target::coulomb;
   } else {
-    scene.settings.tolerance = Real(2e-3);
+    scene.settings.tolerance = Real(6e-3);
   }
   scene.loaded = {{0, 0}, {0, sim::BodyIndex(scene.world.body.size()) - 2}};
   return scene;

@@ -23,7 +23,7 @@ inline sim::SceneWorld driven_wheel(std::uint64_t seed) {
       for (int z = 0; z < 6; ++z)
         w.add_sphere(Vec3d{x + 0.5, y + 0.5, z + 0.5} * 0.042 + draw.direction() * 0.001,
                      Real(draw.between(0.019, 0.0215)), 2600, 0);
-  Shape s;
+  sim::Shape s;
   s.type = ShapeType::wheel;
   s.material = 1;
   s.size = {0.2f, 0.08f, 0.03f};
