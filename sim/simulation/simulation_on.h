@@ -30,7 +30,8 @@ class StageClock {
   Wait wait_;
 };
 
-/// Throws InputError for a snapshot of a world of another size. `remembers`: contacts of this simulation have histories.
+/// Throws InputError for a snapshot of a world of another size. `remembers`: contacts of this simulation have
+/// histories.
 inline void require_fit(const Snapshot& from, const WorldSize& size, bool remembers) {
   if (Index(from.position.size()) != size.bodies || Index(from.contact_begin.size()) != size.shapes ||
       Index(from.motor.size()) != size.mechanisms.motors)

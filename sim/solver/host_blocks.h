@@ -173,7 +173,8 @@ struct UpdateTile {
     sums[tile] = s;
   }
 
-  /// Calls add(first contact, uphill, residual square) for each block of a tile; the residual is 0 where none is tested.
+  /// Calls add(first contact, uphill, residual square) for each block of a tile; the residual is 0 where none is
+  /// tested.
   template <class Add>
   GONOGO_HD_INLINED void update_blocks(Index tile, Add&& add) const {
     const Momentum& m = momentum[tiles.tile[tile].world];

@@ -131,11 +131,11 @@ struct State {
   Buffer<Index, Exec> first_shape;                          // [body + 1]
   Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // [world + 1], [body tile]: runs of kTileSize bodies
   SurfaceStore<Exec> surfaces;
-  Buffer<std::uint8_t, Exec> strangeness;                   // [body] of a part of a world, see Strangeness; else empty
+  Buffer<std::uint8_t, Exec> strangeness;  // [body] of a part of a world, see Strangeness; else empty
 
   // Set by the host when it needs more room or has queued a step.
   Index contact_capacity = 0;
-  Index parity = 0;  // number of the contact store that the next step writes
+  Index parity = 0;         // number of the contact store that the next step writes
   Index partial_tiles = 0;  // max number of tiles that a part of a world has beyond those of a whole one
 
   // State of the bodies: set by the host, moved on by solve() and integrate().

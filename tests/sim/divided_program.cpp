@@ -20,7 +20,8 @@ void run(const std::vector<std::string>& words) {
   const std::unique_ptr<Ranks> ranks = mpi_ranks();
   const auto simulation = sim::make_divided_simulation(scene.world, scene.settings, 1, *ranks);
   const std::string hash = sim::scene_hash(scene.world, scene.settings);
-  if (words.size() > 3 && words[3] != "-" && words[3] != "lose") simulation->restore(0, sim::load_checkpoint(words[3], hash));
+  if (words.size() > 3 && words[3] != "-" && words[3] != "lose")
+    simulation->restore(0, sim::load_checkpoint(words[3], hash));
   test::take_steps(*simulation, scene, std::stoi(words.at(1)), std::stoi(words.at(2)));
   if (words.size() > 3 && words[3] == "lose" && ranks->rank() == 1) throw DeviceError("rank 1 is lost");
   const std::string sum = md5(test::all_bytes(*simulation, scene));

@@ -58,7 +58,8 @@ void spread(std::vector<Mask>& mark, Index count, Index stride) {
   const Index reach = std::min(kHaloBins, count / 2);
   for (std::size_t bin = 0; bin < mark.size(); ++bin) {
     const Index at = Index(bin) / stride % count;
-    for (Index d = -reach; d <= reach; ++d) mark[bin] |= from[bin + std::size_t((wrapped(at + d, count) - at) * stride)];
+    for (Index d = -reach; d <= reach; ++d)
+      mark[bin] |= from[bin + std::size_t((wrapped(at + d, count) - at) * stride)];
   }
 }
 
@@ -177,7 +178,8 @@ std::vector<ShapeIndex> shapes_in_world(const FlatWorld& world, const Part& part
 
 FlatWorld restricted(const FlatWorld& world, const Part& part) {
   const std::vector<BodyIndex> place = places(part.body, world.body.size());
-  const std::vector<ShapeIndex> shape = shapes_in_world(world, part), place_of_shape = places(shape, world.shape.size());
+  const std::vector<ShapeIndex> shape = shapes_in_world(world, part),
+                                place_of_shape = places(shape, world.shape.size());
   FlatWorld to;
   to.scene = world.scene;
   to.world = world.world;

@@ -1,6 +1,6 @@
-// A world in parts, one for each rank. The engine's order of bodies follows a space-filling curve, and a part owns a run
-// of it. So the contacts that its bodies' shapes found are a run of the world's contacts, and what the parts list one
-// after the other is in the order of a world in one piece. Beside its own bodies a part holds copies of others:
+// A world in parts, one for each rank. The engine's order of bodies follows a space-filling curve, and a part owns a
+// run of it. So the contacts that its bodies' shapes found are a run of the world's contacts, and what the parts list
+// one after the other is in the order of a world in one piece. Beside its own bodies a part holds copies of others:
 //   shared   bodies of mechanisms and elements, and those with large shapes: every part holds them
 //   halo     bodies that may touch its own before any body has moved by half a bin
 // It computes every contact of its own bodies. Host only.

@@ -1,5 +1,5 @@
 // One step of a part of a world on the host: the stages of step.h and solve_host.h, with what the parts exchange
-// between them. docs/parts.md says what that is and why the bits are those of a world in one piece.
+// between them. docs/divided.md says what that is and why the bits are those of a world in one piece.
 #pragma once
 #include "base/ranks/ranks.h"
 #include "sim/simulation/parts/part.h"
@@ -32,8 +32,8 @@ struct GatherOwn {
 template <bool turning>
 struct UpdatePart {
   UpdateTile<turning> update;
-  Index head_tile, tail_tile;     // -1: there is none
-  View<UpdateSums> head, tail;    // [contact]
+  Index head_tile, tail_tile;   // -1: there is none
+  View<UpdateSums> head, tail;  // [contact]
 
   void operator()(Index tile) const {
     if (tile == head_tile) return note(tile, head);
@@ -81,7 +81,8 @@ class PartStepper {
   PartStepper(Ranks& ranks, const Part& part, const FlatWorld& world) : ranks_(ranks), part_(part) {
     for (BodyIndex b = part_.own_begin; b < part_.own_end; ++b)
       for (ShapeIndex i = world.first_shape[b];
-           i < (std::size_t(b) + 1 < world.first_shape.size() ? world.first_shape[b + 1] : Index(world.shape.size())); ++i)
+           i < (std::size_t(b) + 1 < world.first_shape.size() ? world.first_shape[b + 1] : Index(world.shape.size()));
+           ++i)
         if (world.bin_of_shape[i] >= 0) watched_.push_back(i);
     margin_ = halo_margin(world.world);
   }
@@ -186,8 +187,8 @@ class PartStepper {
       weight[part_.moving_shared[k]] = 0;
       for (const std::vector<Index>& part : all) weight[part_.moving_shared[k]] += part[k];
     }
-    exchange_halo<Index>({}, {}, [&](BodyIndex b) { return weight[b]; },
-                         [&](BodyIndex b, Index now) { weight[b] = now; });
+    exchange_halo<Index>(
+        {}, {}, [&](BodyIndex b) { return weight[b]; }, [&](BodyIndex b, Index now) { weight[b] = now; });
   }
 
   Index own_weight(State<Cpu>& s, std::size_t k) const {
@@ -248,13 +249,11 @@ class PartStepper {
                                      .wrench_b = own_storage_.wrench_b.view(),
                                      .sums = own_storage_.tile_sums.view(),
                                      .parity = parity};
-    for_each_index(exec, tile_count,
-                   UpdatePart<turning>{update,
-                                       head_tile(),
-                                       tail_tile(),
-                                       {head.data(), Index(head.size())},
-                                       {tail.data(), Index(tail.size())}},
-                   kTilesInParallel);
+    for_each_index(
+        exec, tile_count,
+        UpdatePart<turning>{
+            update, head_tile(), tail_tile(), {head.data(), Index(head.size())}, {tail.data(), Index(tail.size())}},
+        kTilesInParallel);
     const UpdateSums* whole = own_storage_.tile_sums.data() + first_whole();
     head.insert(head.end(), whole, whole + cut_[me()].whole);
     head.insert(head.end(), tail.begin(), tail.end());
@@ -442,10 +441,10 @@ class PartStepper {
 
   ContactRange own_{0, 0};
   std::int64_t before_ = 0, total_ = 0;
-  std::vector<ContactRange> owned_, second_;  // [moving shared] own contacts; places in the list of second contacts
-  std::vector<std::vector<Index>> count_;     // [part] own contacts, then both lists of each moving shared body
-  std::vector<TileCut> cut_;                  // [part]
-  Index first_tile_ = 0;                      // of the own contacts
+  std::vector<ContactRange> owned_, second_;    // [moving shared] own contacts; places in the list of second contacts
+  std::vector<std::vector<Index>> count_;       // [part] own contacts, then both lists of each moving shared body
+  std::vector<TileCut> cut_;                    // [part]
+  Index first_tile_ = 0;                        // of the own contacts
   std::vector<std::vector<UpdateSums>> given_;  // [part] of the present update
   std::vector<std::vector<Wrench>> wrench_;     // [part] on shared bodies
   SolverStorage<Cpu> own_storage_;
