@@ -37,6 +37,7 @@ class MpiRank final : public Ranks {
   }
   int rank() const override { return rank_; }
   int count() const override { return count_; }
+  bool share_memory() const override { return count_ == 1; }
 
   void exchange(std::span<const Letter> sent, std::span<const Letter> received) override {
     std::vector<MPI_Request> requests;

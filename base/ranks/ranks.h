@@ -24,6 +24,8 @@ class Ranks {
   virtual ~Ranks() = default;
   virtual int rank() const = 0;
   virtual int count() const = 0;
+  /// Whether they are threads of one process.
+  virtual bool share_memory() const = 0;
 
   /// Sends letters and waits for others. Two ranks agree on the number, order and sizes of the letters between them.
   /// Throws DeviceError when a rank is lost.
@@ -35,6 +37,7 @@ class LoneRank final : public Ranks {
  public:
   int rank() const override { return 0; }
   int count() const override { return 1; }
+  bool share_memory() const override { return true; }
   void exchange(std::span<const Letter>, std::span<const Letter>) override {}
 };
 

@@ -56,6 +56,7 @@ class ThreadRank final : public Ranks {
   ThreadRank(Post& post, int rank, int count) : post_(post), rank_(rank), count_(count) {}
   int rank() const override { return rank_; }
   int count() const override { return count_; }
+  bool share_memory() const override { return true; }
   void exchange(std::span<const Letter> sent, std::span<const Letter> received) override {
     for (const Letter& letter : sent) post_.send(rank_, letter);
     for (const Letter& letter : received) post_.receive(rank_, letter);

@@ -28,7 +28,7 @@ std::string in_one_piece(const DividedScene& scene, Index steps) {
 std::vector<std::string> divided(const DividedScene& scene, Index steps, int count) {
   std::vector<std::string> bytes(static_cast<std::size_t>(count));
   run_in_threads(count, [&](Ranks& ranks) {
-    const auto simulation = make_divided_simulation(scene.world, scene.settings, 1, ranks);
+    const auto simulation = make_divided_simulation(Backend::cpu, scene.world, scene.settings, 1, ranks);
     take_steps(*simulation, scene, 0, steps);
     bytes[std::size_t(ranks.rank())] = all_bytes(*simulation, scene);
   });
@@ -58,7 +58,7 @@ TEST_CASE("a snapshot of a divided world is that of one in one piece, and contin
   take_steps(*through, scene, kHalf, kHalf);
   const std::string expected = all_bytes(*through, scene);
   run_in_threads(3, [&](Ranks& ranks) {
-    const auto simulation = make_divided_simulation(scene.world, scene.settings, 1, ranks);
+    const auto simulation = make_divided_simulation(Backend::cpu, scene.world, scene.settings, 1, ranks);
     take_steps(*simulation, scene, 0, 7);
     simulation->restore(0, half);
     take_steps(*simulation, scene, kHalf, kHalf);
@@ -87,7 +87,7 @@ TEST_CASE("what a divided world cannot do is refused in one sentence") {
   LoneRank ranks;
   StepSettings settings = scene.settings;
   settings.iteration = Iteration::gauss_seidel;
-  CHECK(input_error([&] { make_divided_simulation(scene.world, settings, 1, ranks); }) ==
+  CHECK(input_error([&] { make_divided_simulation(Backend::cpu, scene.world, settings, 1, ranks); }) ==
         "a world cannot be divided for the method gauss_seidel; use apgd or jacobi, or one rank");
 }
 

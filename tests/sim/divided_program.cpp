@@ -18,7 +18,7 @@ using namespace gonogo;
 void run(const std::vector<std::string>& words) {
   const test::DividedScene scene = test::divided_scene(words.at(0));
   const std::unique_ptr<Ranks> ranks = mpi_ranks();
-  const auto simulation = sim::make_divided_simulation(scene.world, scene.settings, 1, *ranks);
+  const auto simulation = sim::make_divided_simulation(sim::Backend::cpu, scene.world, scene.settings, 1, *ranks);
   const std::string hash = sim::scene_hash(scene.world, scene.settings);
   if (words.size() > 3 && words[3] != "-" && words[3] != "lose")
     simulation->restore(0, sim::load_checkpoint(words[3], hash));

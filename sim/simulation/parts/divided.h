@@ -8,9 +8,12 @@ namespace gonogo::sim {
 /// This rank's view of the whole world, which takes the same steps, bit for bit, as one that make_simulation() makes.
 /// All ranks call the same functions with the same arguments in the same order, and get the same answers. `ranks` must
 /// live as long as the simulation. `threads`: of this rank.
-/// Throws InputError as make_simulation() does, and for a batch of several worlds, for a method other than `apgd` and
-/// `jacobi`, and for more than kMaxParts ranks. Later, DeviceError when a rank is lost.
-std::unique_ptr<Simulation> make_divided_simulation(const SceneWorld& world, const StepSettings& settings, int threads,
-                                                    Ranks& ranks);
+/// On the CUDA backend the ranks are threads of one process, each of which has called use_cuda_device(); their GPUs
+/// write into each other's memory. Throws InputError as make_simulation() does, and for a batch of several worlds, for
+/// a method other than `apgd` and `jacobi`, for more than kMaxParts ranks, and for GPUs of several processes. Later,
+/// DeviceError when a rank is lost.
+std::unique_ptr<Simulation> make_divided_simulation(Backend backend, const SceneWorld& world,
+                                                    const StepSettings& settings, int threads, Ranks& ranks);
+std::unique_ptr<Simulation> make_divided_cuda_simulation(FlatWorld world, const StepSettings& settings, Ranks& ranks);
 
 }  // namespace gonogo::sim

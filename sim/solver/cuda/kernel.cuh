@@ -156,7 +156,7 @@ class SolveKernel {
     for (WorldIndex w = team_.index; w < s.world_sums.size; w += team_.count) measures.add_measures(w, k);
   }
 
- private:
+ protected:
   GONOGO_DEVICE Index first_index() const { return team_.index * kTileSize + team_.rank; }
   GONOGO_DEVICE Index stride() const { return team_.count * kTileSize; }
   GONOGO_DEVICE Index lane() const { return team_.rank % kLanesPerBody; }
