@@ -60,9 +60,7 @@ bool check(const char* name, const std::vector<int>& parts) {
   return all_same;
 }
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Spheres that touch their neighbours on a lattice, in an open box without walls.
 SceneWorld lattice(Index spheres) {

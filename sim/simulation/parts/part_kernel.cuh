@@ -22,13 +22,13 @@ inline constexpr int kMaxGpus = 8;
 
 /// Memory of one GPU into which the others write; [2]: of even and odd updates.
 struct PartMail {
-  Velocity* halo[2] = {nullptr, nullptr};         // in the order of `received`
-  Wrench* wrench[2] = {nullptr, nullptr};         // on shared bodies, in the world's order
-  UpdateSums* tile[2] = {nullptr, nullptr};       // [tile of the world]
-  UpdateSums* partial[2] = {nullptr, nullptr};    // [partial tile * kTileSize] of each contact
+  Velocity* halo[2] = {nullptr, nullptr};                         // in the order of `received`
+  Wrench* wrench[2] = {nullptr, nullptr};                         // on shared bodies, in the world's order
+  UpdateSums* tile[2] = {nullptr, nullptr};                       // [tile of the world]
+  UpdateSums* partial[2] = {nullptr, nullptr};                    // [partial tile * kTileSize] of each contact
   WorldSums *tile_measure = nullptr, *partial_measure = nullptr;  // the same of the step's residuals
-  WorldSums* body_measure = nullptr;              // [body tile of the world]
-  unsigned long long* arrived = nullptr;          // [rank] barriers at which it has been; own: of earlier steps
+  WorldSums* body_measure = nullptr;                              // [body tile of the world]
+  unsigned long long* arrived = nullptr;  // [rank] barriers at which it has been; own: of earlier steps
 };
 
 /// A wrench that the part gives: the half contact that it comes from, and its place among those of all parts.
@@ -63,7 +63,8 @@ struct PartViews {
 /// All blocks of all GPUs wait for each other and then see what the others wrote before.
 class WorldBarrier {
  public:
-  GONOGO_DEVICE explicit WorldBarrier(const PartViews& part) : part_(part), passed_(part.own_mail().arrived[part.rank]) {}
+  GONOGO_DEVICE explicit WorldBarrier(const PartViews& part)
+      : part_(part), passed_(part.own_mail().arrived[part.rank]) {}
 
   GONOGO_DEVICE void wait(GridBarrier& grid) {
     __threadfence_system();
@@ -75,10 +76,11 @@ class WorldBarrier {
         asm volatile("st.release.sys.global.u64 [%0], %1;" ::"l"(part_.mail[other].arrived + part_.rank), "l"(passed_)
                      : "memory");
       unsigned long long now;
-      do asm volatile("ld.acquire.sys.global.u64 %0, [%1];"
-                      : "=l"(now)
-                      : "l"(part_.own_mail().arrived + other)
-                      : "memory");
+      do
+        asm volatile("ld.acquire.sys.global.u64 %0, [%1];"
+                     : "=l"(now)
+                     : "l"(part_.own_mail().arrived + other)
+                     : "memory");
       while (now < passed_);
     }
     __syncthreads();
@@ -173,8 +175,7 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
     UpdateSums* const tile = part_.own_mail().tile[k & 1];
     for (Index p = 0; p < part_.partial_count; ++p) {
       UpdateSums sums;
-      if (team_.rank < part_.partial_contacts[p])
-        sums = part_.own_mail().partial[k & 1][p * kTileSize + team_.rank];
+      if (team_.rank < part_.partial_contacts[p]) sums = part_.own_mail().partial[k & 1][p * kTileSize + team_.rank];
       sums.uphill = team_.sum(sums.uphill);
       if (m.test) sums.residual_square = team_.sum(sums.residual_square);
       if (team_.rank == 0) tile[part_.partial_tile[p]] = sums;
@@ -308,8 +309,7 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
   GONOGO_DEVICE void measure_bodies(Index tile) {
     const BodyIndex b = part_.own_begin + tile * kTileSize + team_.rank;
     WorldSums sums;
-    if (b < part_.own_end)
-      sums = energy_of_body(s.mass[b], s.orientation[b], s.velocity[b], s.tiles.world[0].gravity);
+    if (b < part_.own_end) sums = energy_of_body(s.mass[b], s.orientation[b], s.velocity[b], s.tiles.world[0].gravity);
     sums = team_.sum(sums);
     if (team_.rank != 0) return;
     for (Index r = 0; r < part_.count; ++r) part_.mail[r].body_measure[part_.first_body_tile + tile] = sums;

@@ -3,8 +3,8 @@
 #include "base/parallel/device.h"
 #include "base/ranks/ranks.h"
 #include "sim/simulation/parts/part.h"
-#include "sim/simulation/parts/part_contacts.h"
 #include "sim/simulation/parts/part_kernel.cuh"
+#include "sim/simulation/parts/part_lists.h"
 #include "sim/solver/cuda/launch.cuh"
 
 namespace gonogo::sim {
@@ -34,8 +34,8 @@ class PartSolver<Cuda> {
     arrived_.fill_zero(kMaxGpus);
   }
 
-  /// The contract of solve.h, for the bodies and contacts of the part. Every part calls it at once, and returns when its
-  /// GPU has finished.
+  /// The contract of solve.h, for the bodies and contacts of the part. Every part calls it at once, and returns when
+  /// its GPU has finished.
   void solve(Cuda exec, State<Cuda>& s, const PartContacts& contacts, const StepSettings& settings) {
     reserve_solver(s, own_, settings);
     clear(exec, own_.counter.view());
@@ -56,8 +56,8 @@ class PartSolver<Cuda> {
   /// Lets the GPUs write into each other's memory. Returns how many ranks share this one's GPU.
   int meet_peers() {
     if (ranks_.count() > kMaxGpus)
-      throw InputError("a world is to be divided over " + std::to_string(ranks_.count()) +
-                       " GPUs; allowed are 1 to " + std::to_string(kMaxGpus));
+      throw InputError("a world is to be divided over " + std::to_string(ranks_.count()) + " GPUs; allowed are 1 to " +
+                       std::to_string(kMaxGpus));
     int own = 0, sharing = 0;
     check_cuda(cudaGetDevice(&own), "device");
     for (const int other : joined(ranks_, std::vector<int>{own})) {

@@ -2,7 +2,6 @@
 #pragma once
 #include "base/ranks/ranks.h"
 #include "sim/simulation/parts/part.h"
-#include "sim/simulation/parts/part_contacts.h"
 #include "sim/simulation/parts/part_lists.h"
 #include "sim/solver/host_blocks.h"
 #include "sim/solver/solve_host.h"
@@ -114,10 +113,9 @@ class PartSolver<Cpu> {
                                      .sums = own_.tile_sums.view(),
                                      .parity = parity};
     const View<UpdateSums> head_view{head.data(), Index(head.size())}, tail_view{tail.data(), Index(tail.size())};
-    for_each_index(
-        exec, tile_count,
-        UpdatePart<turning>{update, contacts_->head_tile(), contacts_->tail_tile(), head_view, tail_view},
-        kTilesInParallel);
+    for_each_index(exec, tile_count,
+                   UpdatePart<turning>{update, contacts_->head_tile(), contacts_->tail_tile(), head_view, tail_view},
+                   kTilesInParallel);
     const UpdateSums* whole = own_.tile_sums.data() + contacts_->tiles.first_whole();
     head.insert(head.end(), whole, whole + own_cut().whole);
     head.insert(head.end(), tail.begin(), tail.end());
@@ -208,8 +206,8 @@ class PartSolver<Cpu> {
     const View<Impulse> impulse = s.store[s.parity].impulse.view();
     for_each_index(exec, tile_count, StoreImpulses{tiles(s), own_.block.view(), s.momentum.view(), impulse},
                    kTilesInParallel);
-    const MeasureTile measure{
-        tiles(s), s.contact.view(), s.velocity.view(), impulse, own_.tile_measures.view(), settings.target};
+    const MeasureTile measure{tiles(s), s.contact.view(),          s.velocity.view(),
+                              impulse,  own_.tile_measures.view(), settings.target};
     for_each_index(exec, tile_count, measure, kTilesInParallel);
     std::vector<WorldSums> list;
     const auto add_contacts = [&](ContactIndex begin, ContactIndex end) {

@@ -3,7 +3,7 @@
 #pragma once
 #include "base/ranks/ranks.h"
 #include "sim/simulation/parts/part.h"
-#include "sim/simulation/parts/part_contacts.h"
+#include "sim/simulation/parts/part_lists.h"
 #include "sim/simulation/step.h"
 
 namespace gonogo::sim {
