@@ -21,7 +21,7 @@ set(allowed_tests ${rooms})
 # Layers of each room, low to high. Sub-rooms in one layer ("a|b") stand beside each other: neither may include the other.
 set(layers_base math parallel files json|hdf5|ranks)
 set(layers_sim shape law state constraint solver scene simulation io|local_problem|elastic)
-set(layers_vehicle model world|multibody|semi_empirical feasible|hard_ground)
+set(layers_vehicle model world|multibody|semi_empirical|family feasible|hard_ground)
 set(layers_terrain bed soil soil_test|raster)
 set(layers_learning qubo formats encoding model sampler machine|qubits annealer rbm|score)
 set(layers_pipeline report campaign outcome inspect map|lab face app)

@@ -51,7 +51,7 @@ TrialResult result_of(const campaign::TrialRecord& record) {
                      .attempts = int(record.attempts),
                      .failed_checks = campaign::names_of_checks(record.failed_checks)};
   for (std::size_t k = 0; k < record.measures.size(); ++k)
-    result.measures[contract().measures[k].name] = record.measures[k];
+    if (campaign::has_measure(record, k)) result.measures[contract().measures[k].name] = record.measures[k];
   return result;
 }
 

@@ -121,7 +121,8 @@ Members columns_of(const campaign::Dataset& dataset) {
   result["attempts"] = array_of(std::move(columns.attempts));
   result["failed_checks"] = array_of(std::move(columns.failed_checks));
   for (std::size_t k = 0; k < contract.measures.size(); ++k)
-    result[contract.measures[k].name.c_str()] = array_of(std::move(columns.measures[k]));
+    if (campaign::has_column(contract.measures[k], with_task))
+      result[contract.measures[k].name.c_str()] = array_of(std::move(columns.measures[k]));
   return result;
 }
 

@@ -90,7 +90,7 @@ campaign::TrialRecord run(const Trial& trial, const nb::object& on_frame, double
 nb::typed<nb::dict, nb::str, double> measures_of(const campaign::TrialRecord& record) {
   nb::dict result;
   for (std::size_t k = 0; k < record.measures.size(); ++k)
-    result[campaign::contract().measures[k].name.c_str()] = record.measures[k];
+    if (campaign::has_measure(record, k)) result[campaign::contract().measures[k].name.c_str()] = record.measures[k];
   return result;
 }
 

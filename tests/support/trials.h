@@ -9,7 +9,8 @@
 
 namespace gonogo::campaign {
 
-/// Climbs while tan(slope) stays below friction; every measure is a hash of the point, some are special values.
+/// Climbs while tan(slope) stays below friction; every measure of a climb is a hash of the point, some are special
+/// values.
 inline TrialRecord closed_form_trial(const DesignPoint& point) {
   const double slope = std::tan(point.variables[contract().variable_index("slope_along")] * kDegree);
   const double grip = std::tan(point.variables[contract().variable_index("friction_angle")] * kDegree) *
@@ -20,7 +21,9 @@ inline TrialRecord closed_form_trial(const DesignPoint& point) {
   record.reason =
       record.verdict == Verdict::no_go ? (point.seed % 2 ? Reason::traction : Reason::sinkage) : Reason::none;
   for (std::size_t i = 0; i < contract().measures.size(); ++i)
-    record.measures.push_back((random_unit(point.seed, 2, i) - 0.5) * std::pow(10.0, double(i) * 3 - 12));
+    record.measures.push_back(contract().measures[i].task.empty()
+                                  ? (random_unit(point.seed, 2, i) - 0.5) * std::pow(10.0, double(i) * 3 - 12)
+                                  : kNaN);
   record.measures[1] = -0.0;
   if (record.verdict == Verdict::no_go) record.measures[2] = -std::numeric_limits<double>::quiet_NaN();
   if (point.seed % 13 == 5) {

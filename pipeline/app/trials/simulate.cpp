@@ -208,6 +208,7 @@ void simulate(const Globals& globals, const SimulateOptions& options) {
   json[campaign::kGravityKey] = setup.gravity;
   text += line("%-18s %10.4g m/s2\n", "gravity", setup.gravity);
   for (std::size_t m = 0; m < record.measures.size(); ++m) {
+    if (!campaign::has_measure(record, m)) continue;
     const campaign::Measure& measure = campaign::contract().measures[m];
     json["measures"][measure.name] = record.measures[m];
     text += line("%-18s %10.4g %s\n", measure.name.c_str(), record.measures[m], measure.unit.c_str());

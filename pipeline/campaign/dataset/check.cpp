@@ -64,8 +64,7 @@ void check_replicate(const TrialRecord& record, const std::map<std::uint64_t, co
 std::map<std::string, std::string> cells_of(const TrialRecord& record) {
   std::map<std::string, std::string> cells;
   std::istringstream in(to_row(record));
-  for (const std::string& column : record_columns(has_task_values(record.point.variables)))
-    std::getline(in, cells[column], ',');
+  for (const std::string& column : record_columns(has_task_values(record))) std::getline(in, cells[column], ',');
   return cells;
 }
 
@@ -242,7 +241,9 @@ PairedTrials paired(const Dataset& first, const Dataset& second) {
     result.now_pass += !passes(a->verdict) && passes(b->verdict);
     result.now_fail += passes(a->verdict) && !passes(b->verdict);
   }
-  for (std::size_t m = 0; m < contract().measures.size(); ++m) result.measures.push_back(change_of(pairs, m));
+  const bool with_task = has_task_values(first.records) && has_task_values(second.records);
+  for (std::size_t m = 0; m < contract().measures.size(); ++m)
+    if (has_column(contract().measures[m], with_task)) result.measures.push_back(change_of(pairs, m));
   return result;
 }
 

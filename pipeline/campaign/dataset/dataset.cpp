@@ -43,9 +43,12 @@ void write_design(Hdf5Writer& out, TrialColumns& columns) {
         "density of the design at this point, relative to uniform over the sampled box");
 }
 
-/// Columns of variables that only some tasks have stand where a trial sets them.
+/// Columns that only some trials have stand where a trial sets or measures them.
 bool is_stored(const Variable& variable, const std::vector<double>& column) {
   return !is_task_variable(variable) || std::any_of(column.begin(), column.end(), [](double x) { return x != 0; });
+}
+bool is_stored(const Measure& measure, const std::vector<double>& column) {
+  return measure.task.empty() || std::any_of(column.begin(), column.end(), [](double x) { return !std::isnan(x); });
 }
 
 void write_values(Hdf5Writer& out, TrialColumns& columns) {
@@ -58,6 +61,7 @@ void write_values(Hdf5Writer& out, TrialColumns& columns) {
   }
   for (std::size_t i = 0; i < contract().measures.size(); ++i) {
     const Measure& measure = contract().measures[i];
+    if (!is_stored(measure, columns.measures[i])) continue;
     store(out, "measures/" + measure.name, columns.measures[i], measure.unit, measure.about);
   }
 }
@@ -188,29 +192,31 @@ void read_design(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
                           .variables = {}};
 }
 
-/// Those of the contract, without those of tasks that the file lacks.
-std::vector<Variable> stored_variables(const Hdf5Reader& in) {
-  std::vector<Variable> variables = contract().variables;
-  std::erase_if(variables, [&](const Variable& v) { return is_task_variable(v) && !in.has("variables/" + v.name); });
-  return variables;
+/// Those of the contract, without those of some trials alone that the file lacks.
+template <class Entry>
+std::vector<Entry> stored_entries(const Hdf5Reader& in, const std::string& group, std::vector<Entry> entries) {
+  std::erase_if(entries, [&](const Entry& e) { return !has_column(e, false) && !in.has(group + "/" + e.name); });
+  return entries;
+}
+
+/// A column of numbers; where the file lacks it, `missing` in every row.
+std::vector<double> column_or(const Hdf5Reader& in, const std::string& path, std::size_t rows, double missing) {
+  return in.has(path) ? in.array<double>(path, Shape{rows}) : std::vector<double>(rows, missing);
 }
 
 void read_values(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
-  const Shape rows{records.size()};
-  require_names(in, "variables", stored_variables(in));
-  require_names(in, "measures", contract().measures);
+  require_names(in, "variables", stored_entries(in, "variables", contract().variables));
+  require_names(in, "measures", stored_entries(in, "measures", contract().measures));
   for (TrialRecord& record : records) {
     record.point.variables.reserve(contract().variables.size());
     record.measures.reserve(contract().measures.size());
   }
   for (const Variable& variable : contract().variables) {
-    const std::string path = "variables/" + variable.name;
-    const bool left_out = is_task_variable(variable) && !in.has(path);
-    const auto values = left_out ? std::vector<double>(records.size(), 0) : in.array<double>(path, rows);
+    const auto values = column_or(in, "variables/" + variable.name, records.size(), 0);
     for (std::size_t row = 0; row < records.size(); ++row) records[row].point.variables.push_back(values[row]);
   }
   for (const Measure& measure : contract().measures) {
-    const auto values = in.array<double>("measures/" + measure.name, rows);
+    const auto values = column_or(in, "measures/" + measure.name, records.size(), kNaN);
     for (std::size_t row = 0; row < records.size(); ++row) records[row].measures.push_back(values[row]);
   }
 }

@@ -31,7 +31,7 @@ std::string join(const std::vector<std::string>& cells) {
 /// Takes cells from the front of a row; remembers whether all of them were well-formed.
 class Cells {
  public:
-  /// `usual`: number of columns without the variables of tasks.
+  /// `usual`: number of columns without those of some trials alone.
   Cells(std::string_view row, std::size_t usual)
       : rest_(row), with_task_(std::size_t(std::count(row.begin(), row.end(), ',')) + 1 > usual) {}
 
@@ -94,30 +94,39 @@ class Cells {
     }
   }
 
-  bool complete() const { return ok_ && ended_; }
-  /// A row holds the variables of tasks where one is set, and only there.
-  bool as_written(const DesignPoint& point) const { return with_task_ == has_task_values(point.variables); }
+  void take_measures(std::vector<double>& measures) {
+    measures.assign(contract().measures.size(), kNaN);
+    for (std::size_t m = 0; m < measures.size(); ++m)
+      if (has_column(contract().measures[m], with_task_)) take(measures[m]);
+  }
+
+  /// Whether the row is well-formed, and holds the columns of some trials alone where one is set, and only there.
+  bool complete(bool with_task) const { return ok_ && ended_ && with_task_ == with_task; }
 
  private:
   std::string_view rest_;
   bool with_task_, ok_ = true, ended_ = false;
 };
 
-void add_point_cells(const DesignPoint& point, std::vector<std::string>& cells) {
+void add_point_cells(const DesignPoint& point, bool with_task, std::vector<std::string>& cells) {
   cells.push_back(to_text(point.index));
   cells.push_back(to_text(point.seed));
   cells.push_back(to_text(point.replicate_of));
   cells.push_back(to_text(point.proposal_density));
-  const bool with_task = has_task_values(point.variables);
   for (std::size_t v = 0; v < point.variables.size(); ++v)
     if (has_column(contract().variables[v], with_task)) cells.push_back(to_text(point.variables[v]));
 }
 
 }  // namespace
 
+bool has_task_values(const TrialRecord& record) {
+  for (std::size_t m = 0; m < record.measures.size(); ++m)
+    if (!contract().measures[m].task.empty() && has_measure(record, m)) return true;
+  return has_task_values(record.point.variables);
+}
+
 bool has_task_values(const std::vector<TrialRecord>& records) {
-  return std::any_of(records.begin(), records.end(),
-                     [](const TrialRecord& record) { return has_task_values(record.point.variables); });
+  return std::any_of(records.begin(), records.end(), [](const TrialRecord& r) { return has_task_values(r); });
 }
 
 std::vector<std::string> point_columns(bool with_task) {
@@ -130,7 +139,8 @@ std::vector<std::string> point_columns(bool with_task) {
 std::vector<std::string> record_columns(bool with_task) {
   std::vector<std::string> names = point_columns(with_task);
   names.insert(names.end(), {"verdict", "reason", "attempts", "failed_checks"});
-  for (const Measure& measure : contract().measures) names.push_back(measure.name);
+  for (const Measure& measure : contract().measures)
+    if (has_column(measure, with_task)) names.push_back(measure.name);
   return names;
 }
 
@@ -138,26 +148,33 @@ std::string point_header_row(bool with_task) { return join(point_columns(with_ta
 
 std::string to_row(const DesignPoint& point) {
   std::vector<std::string> cells;
-  add_point_cells(point, cells);
+  add_point_cells(point, has_task_values(point.variables), cells);
   return join(cells);
 }
 
-std::string to_row(const TrialRecord& record) {
+namespace {
+
+std::string row_of(const TrialRecord& record, bool with_task) {
   std::vector<std::string> cells;
-  add_point_cells(record.point, cells);
+  add_point_cells(record.point, with_task, cells);
   cells.push_back(contract().info(record.verdict).name);
   cells.push_back(contract().info(record.reason).name);
   cells.push_back(to_text(record.attempts));
   cells.push_back(names_of_checks(record.failed_checks));
-  for (const double value : record.measures) cells.push_back(to_text(value));
+  for (std::size_t m = 0; m < record.measures.size(); ++m)
+    if (has_column(contract().measures[m], with_task)) cells.push_back(to_text(record.measures[m]));
   return join(cells);
 }
+
+}  // namespace
+
+std::string to_row(const TrialRecord& record) { return row_of(record, has_task_values(record)); }
 
 std::optional<DesignPoint> parse_point(std::string_view row) {
   Cells cells(row, point_columns(false).size());
   DesignPoint point;
   cells.take_point(point);
-  if (!cells.complete() || !cells.as_written(point)) return std::nullopt;
+  if (!cells.complete(has_task_values(point.variables))) return std::nullopt;
   return point;
 }
 
@@ -169,9 +186,8 @@ std::optional<TrialRecord> parse_record(std::string_view row) {
   cells.take_name(record.reason, contract().reasons);
   cells.take(record.attempts);
   cells.take_checks(record.failed_checks);
-  record.measures.resize(contract().measures.size());
-  for (double& value : record.measures) cells.take(value);
-  if (!cells.complete() || !cells.as_written(record.point)) return std::nullopt;
+  cells.take_measures(record.measures);
+  if (!cells.complete(has_task_values(record))) return std::nullopt;
   return record;
 }
 
@@ -193,7 +209,8 @@ Json trial_json(const TrialRecord& record, bool with_task) {
   trial["attempts"] = record.attempts;
   trial["failed_checks"] = names_of_checks(record.failed_checks);
   for (std::size_t i = 0; i < record.measures.size(); ++i)
-    trial[contract().measures[i].name] = number_or_null(record.measures[i]);
+    if (has_column(contract().measures[i], with_task))
+      trial[contract().measures[i].name] = number_or_null(record.measures[i]);
   return trial;
 }
 
@@ -217,8 +234,9 @@ Json provenance_json(const Provenance& provenance) {
 }  // namespace
 
 std::string to_csv(const Dataset& dataset) {
-  std::string text = join(record_columns(has_task_values(dataset.records))) + "\n";
-  for (const TrialRecord& record : dataset.records) text += to_row(record) + "\n";
+  const bool with_task = has_task_values(dataset.records);
+  std::string text = join(record_columns(with_task)) + "\n";
+  for (const TrialRecord& record : dataset.records) text += row_of(record, with_task) + "\n";
   return text;
 }
 
@@ -227,7 +245,8 @@ std::string to_json_text(const Dataset& dataset) {
   Json units = Json::object();
   for (const Variable& variable : contract().variables)
     if (has_column(variable, with_task)) units[variable.name] = variable.unit;
-  for (const Measure& measure : contract().measures) units[measure.name] = measure.unit;
+  for (const Measure& measure : contract().measures)
+    if (has_column(measure, with_task)) units[measure.name] = measure.unit;
   Json trials = Json::array();
   for (const TrialRecord& record : dataset.records) trials.push_back(trial_json(record, with_task));
   Json object = Json::object();

@@ -1,6 +1,6 @@
 // Trials as text: one as a line of comma-separated values, a dataset as a table for other programs.
 //   index,seed,replicate_of,proposal_density,<variables...>,verdict,reason,attempts,failed_checks,<measures...>
-// Variables of a task (contract.h) stand only in tables of trials that have them: all or none of them.
+// Variables and measures of some trials alone (contract.h) stand only in tables of trials that have them: all or none.
 // Numbers have the fewest digits, at most 17, that read back to the same bits. NaN is "nan".
 #pragma once
 #include <optional>
@@ -13,17 +13,18 @@
 
 namespace gonogo::campaign {
 
-/// `with_task`: with the variables of tasks.
+/// `with_task`: with the variables and measures of some trials alone.
 std::vector<std::string> point_columns(bool with_task);
 std::vector<std::string> record_columns(bool with_task);
 
 /// Comma-separated, without the end of line.
 std::string point_header_row(bool with_task);
-/// With the variables of tasks where one of them is set.
+/// With the columns of some trials alone where one of them is set.
 std::string to_row(const DesignPoint& point);
 std::string to_row(const TrialRecord& record);
 
-/// Whether any of them sets a variable of a task.
+/// Whether it, or any of them, sets a variable or has a measure of some trials alone.
+bool has_task_values(const TrialRecord& record);
 bool has_task_values(const std::vector<TrialRecord>& records);
 
 /// The inverses. Empty for a line that is no such row: wrong number of columns, no number, unknown name.

@@ -175,6 +175,7 @@ DatasetSummary summarise(const std::vector<TrialRecord>& records) {
   }
   for (std::size_t i = 0; i < contract().measures.size(); ++i) {
     const Measure& measure = contract().measures[i];
+    if (!has_column(measure, with_task)) continue;
     summary.measures.push_back(
         range_of(measure.name, measure.unit, records, [i](const auto& r) { return r.measures[i]; }));
   }

@@ -139,8 +139,10 @@ void read_study_task(const Study& study, const Config& c, TrialSetup& s) {
   for (const TaskNumber& n : task_numbers(c.text("type"))) {
     if (c.has(n.key)) continue;
     const Variable& variable = contract().variables[n.variable];
-    spans.push_back(design ? span_of(*design, variable.name.c_str(), {}) : std::nullopt);
-    if (!spans.back() && !(design && design->has("file")))
+    const auto span = design ? span_of(*design, variable.name.c_str(), {}) : std::nullopt;
+    if (!span && may_lack(c.text("type"), n.key)) continue;
+    spans.push_back(span);
+    if (!span && !(design && design->has("file")))
       c.fail(n.key, "missing; give it, or a range or value of " + variable.name + " in the design");
     s.task_varied.push_back(n);
     open.push_back(n.key);
@@ -174,13 +176,44 @@ void check_sizes(const Study& study, const TrialSetup& s) {
                                         number_text(depth->high + 2 * grain, 3) + " m or more");
 }
 
+/// The family's member that is largest in everything that the design samples.
+vehicle::Vehicle largest_member(const Study& study, const TrialSetup& s) {
+  const auto largest = [&](const char* name) {
+    const Variable& v = contract().variables[contract().variable_index(name)];
+    const auto design = study.config.object_if("design");
+    const auto span = design ? span_of(*design, name, {v.minimum, v.maximum}) : std::nullopt;
+    if (!span)
+      study.config.fail("design", std::string(name) + ": missing; the vehicle " + s.family->name +
+                                      " is a family, so give it a range or a fixed value");
+    return span->high;
+  };
+  const vehicle::WheelNumbers numbers{.load = largest("load_number"),
+                                      .width = largest("width_ratio"),
+                                      .deflection = largest("deflection_ratio"),
+                                      .lug = largest("lug_ratio")};
+  if (numbers.deflection >= vehicle::kNegligible && !s.compliant_tyres)
+    study.config.fail("trial", "compliant_tyres: the design has deflection_ratio up to " +
+                                   number_text(numbers.deflection) + "; set it to true, or the ratio to 0");
+  return vehicle::canonical_wheel(*s.family, numbers, s.gravity);
+}
+
 void read_vehicle_file(const Config& file, TrialSetup& s) {
+  if (vehicle::is_family(file))
+    throw InputError(s.vehicle_file.string() +
+                     ": is a family of vehicles; a study samples its members, and a single trial drives one vehicle");
   s.vehicle = vehicle::read_any_vehicle(file);
   if (s.vehicle.kind == vehicle::VehicleKind::single_wheel)
     throw InputError(
         s.vehicle_file.string() +
         ": a single-wheel rig does not stand by itself: trials drive its wheel under a carriage that holds "
         "it upright; name its quarter vehicle, such as mgru3_wheel");
+}
+
+void read_vehicle_or_family(const Study& study, TrialSetup& s) {
+  const Config file = study.file_named("vehicle", s.vehicle_file);
+  if (!vehicle::is_family(file)) return read_vehicle_file(file, s);
+  s.family = std::make_shared<const vehicle::Family>(vehicle::read_family(file));
+  s.vehicle = largest_member(study, s);
 }
 
 /// Every wheel must stand on the bed, beside and not on its own image; on a folded one beside the other lane.
@@ -212,19 +245,20 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   if (study.vehicle.empty())
     study.config.fail("vehicle", "missing; name a vehicle file, for example ../vehicles/hmmwv_quarter.json");
   s.vehicle_file = study.vehicle;
-  read_vehicle_file(study.file_named("vehicle", s.vehicle_file), s);
+  const auto trial = study.config.object_if("trial");
+  if (trial) s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
+  read_vehicle_or_family(study, s);
   const Config soil = study.section("soil");
   s.calibration_file = soil.path("calibration");
   s.calibration = terrain::read_calibration(study.file_named("calibration", s.calibration_file));
   soil.finish();
   terrain::AskedNumerics asked;
-  if (const auto trial = study.config.object_if("trial")) {
+  if (trial) {
     if (const auto c = trial->object_if("bed")) read_bed(*c, s);
     if (const auto c = trial->object_if("drive")) read_drive(*c, s);
     if (const auto c = trial->object_if("numerics")) asked = read_numerics(*c);
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
     if (const auto c = trial->object_if("task")) read_study_task(study, *c, s);
-    s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
     s.wheel_rolling = trial->number_or("wheel_rolling", 0, kWheelRollingRange);
     trial->finish();
   }

@@ -1,6 +1,7 @@
 // Input and result of a trial: the row of the dataset.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -80,6 +81,11 @@ struct TrialRecord {
   std::uint64_t attempts = 1;       // 2 when the first attempt failed a check and the smaller step was used
   std::uint64_t failed_checks = 0;  // bits of the checks that the last attempt of an unknown trial failed
 };
+
+/// Whether trials of every type have this measure, or this one has it.
+inline bool has_measure(const TrialRecord& r, std::size_t measure) {
+  return contract().measures[measure].task.empty() || !std::isnan(r.measures[measure]);
+}
 
 /// A variable or a measure by its name in the contract.
 inline double variable_of(const TrialRecord& r, const char* name) {

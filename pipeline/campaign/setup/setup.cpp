@@ -100,10 +100,13 @@ void check_tyres(const TrialSetup& s) {
 double grains_per_tyre(const TrialSetup& s) { return vehicle::tread_width(s.vehicle) / s.calibration.grain_diameter; }
 
 bool is_varied(const TrialSetup& s, std::size_t v) {
+  if (is_family_variable(contract().variables[v])) return s.family != nullptr;
   return std::any_of(s.task_varied.begin(), s.task_varied.end(), [v](const TaskNumber& n) { return n.variable == v; });
 }
 
 std::string refusal_of_size(const TrialSetup& s, std::size_t v) {
+  if (is_family_variable(contract().variables[v]))
+    return "the vehicle " + s.vehicle.name + " is no family; leave the number out, or name ../families/wheel.json";
   const std::string type = s.task->name();
   for (const TaskNumber& n : task_numbers(type))
     if (n.variable == v) return "trial.task gives " + n.key + " already; keep one of the two";
@@ -149,12 +152,21 @@ TrialInputs inputs_of(const DesignPoint& point) {
           .bed_seed = point.seed};
 }
 
+vehicle::WheelNumbers wheel_at(const DesignPoint& point) {
+  const auto value = [&](const char* name) { return point.variables.at(contract().variable_index(name)); };
+  return {.load = value("load_number"),
+          .width = value("width_ratio"),
+          .deflection = value("deflection_ratio"),
+          .lug = value("lug_ratio")};
+}
+
 TrialSetup setup_at(const TrialSetup& setup, const DesignPoint& point) {
   for (std::size_t v = 0; v < contract().variables.size(); ++v)
     if (is_task_variable(contract().variables[v]) && point.variables[v] != 0 && !is_varied(setup, v))
       throw InputError(contract().variables[v].name + ": " + refusal_of_size(setup, v));
   TrialSetup own = setup;
   own.inputs = inputs_of(point);
+  if (own.family) own.vehicle = vehicle::canonical_wheel(*own.family, wheel_at(point), own.gravity);
   if (own.task_varied.empty()) return own;
   for (const TaskNumber& n : own.task_varied) own.task_given.number[n.key] = point.variables[n.variable];
   own.task = make_task(own.task_given, "trial " + std::to_string(point.index) + ": trial.task");

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "pipeline/campaign/study/study.h"
 #include "terrain/bed/bed.h"
 #include "terrain/soil/calibration.h"
+#include "vehicle/family/numbers.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::campaign {
@@ -45,7 +47,8 @@ struct TrialSetup {
   std::string name;
   std::uint64_t seed = 0;
   double gravity = kGravity;  // where the vehicle drives; beds are settled under the Earth's [m/s^2]
-  vehicle::Vehicle vehicle;   // a whole one or a quarter
+  vehicle::Vehicle vehicle;   // a whole one or a quarter; of a family, the largest member of the design
+  std::shared_ptr<const vehicle::Family> family;  // whose members the points describe; null for a single vehicle
   terrain::Calibration calibration;
   std::filesystem::path vehicle_file, calibration_file;
   double bed_length = 4, bed_width = 0.8;  // [m]
@@ -117,8 +120,11 @@ void fit_to_task(TrialSetup& s);
 /// Throws InputError when compliant tyres are asked of a vehicle whose file has no tyre stiffness.
 void check_tyres(const TrialSetup& s);
 
-/// The setup of the trial at a point: with its inputs, and its task with the numbers that the point gives. Throws
-/// InputError for a point that sets a number that the task has not, or has already.
+/// Numbers of the family's wheel at a point.
+vehicle::WheelNumbers wheel_at(const DesignPoint& point);
+
+/// The setup of the trial at a point: with its inputs, its member of a family, and its task with the numbers that the
+/// point gives. Throws InputError for a point that sets a number that the task or vehicle has not, or has already.
 TrialSetup setup_at(const TrialSetup& setup, const DesignPoint& point);
 
 /// Min tyre width in grain diameters for a label that may be published (the scale rule).

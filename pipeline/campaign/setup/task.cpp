@@ -66,6 +66,13 @@ const TaskParameter& parameter_of(const TaskType& type, const std::string& key, 
 
 }  // namespace
 
+bool may_lack(const std::string& type, const std::string& key) {
+  const TaskType* named = type_named(type);
+  if (!named) return false;  // refused where the task is made
+  const TaskParameter& p = parameter_of(*named, key, "trial.task");
+  return p.may_lack || p.usual.has_value();
+}
+
 double TaskNumbers::operator[](const char* key) const {
   const auto found = find(key);
   GONOGO_ASSERT(found.has_value());

@@ -109,6 +109,9 @@ const std::vector<const TaskType*>& task_types();
 /// Their examples, with commas between them.
 std::string task_examples();
 
+/// Whether tasks of this type do without this number, or have a usual one.
+bool may_lack(const std::string& type, const std::string& key);
+
 /// A task as a value: its type and the numbers that are given, by key.
 struct TaskValues {
   const TaskType* type = nullptr;

@@ -70,14 +70,14 @@ Variable read_variable(const Config& config) {
   v.maximum = range[1];
   v.sets = config.text("sets");
   v.source = config.text("source");
-  v.prior = config.choice("prior", {"region", "uniform", "fixed", "task"});
+  v.prior = config.choice("prior", {"region", "uniform", "fixed", "task", "family"});
   v.encoder = read_encoder(config.object("encoder"));
   config.finish();
   return v;
 }
 
 Measure read_measure(const Config& config) {
-  Measure measure{config.text("name"), config.text("unit"), config.text("about")};
+  Measure measure{config.text("name"), config.text("unit"), config.text("about"), config.text_or("task", "")};
   config.finish();
   return measure;
 }
@@ -195,8 +195,9 @@ std::vector<TaskNumber> task_numbers(const std::string& type) {
   const std::string prefix = type + "_";
   for (std::size_t v = 0; v < contract().variables.size(); ++v) {
     const Variable& variable = contract().variables[v];
-    if (is_task_variable(variable) && variable.name.rfind(prefix, 0) == 0)
-      numbers.push_back({variable.name.substr(prefix.size()) + "_" + variable.unit, v});
+    if (!is_task_variable(variable) || variable.name.rfind(prefix, 0) != 0) continue;
+    const std::string unit = variable.unit == "-" ? "" : "_" + variable.unit;
+    numbers.push_back({variable.name.substr(prefix.size()) + unit, v});
   }
   return numbers;
 }

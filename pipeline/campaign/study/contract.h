@@ -19,12 +19,13 @@ struct Variable {
   std::string name, label, unit;
   double minimum = 0, maximum = 0;  // [unit]
   std::string sets, source;         // target in the simulator; raster or table of its values
-  std::string prior;                // "region", "uniform" or "fixed"
+  std::string prior;                // "region", "uniform", "fixed", "task" or "family"
   EncoderSpec encoder;
 };
 
 struct Measure {
   std::string name, unit, about;
+  std::string task = {};  // type of trial that alone has it; empty: every type has it
 };
 
 /// The enumerators' values are the raster codes; parse_contract() checks them against the schema.
@@ -101,16 +102,20 @@ const Contract& contract();
 /// The schema's text, byte for byte (hashed into provenance).
 const std::string& contract_text();
 
-// Variables that one type of trial alone has, such as the width of a ditch. Their prior in the contract is "task".
+// Variables that some trials alone have: those of one type of trial, such as the width of a ditch, and those of a
+// family of vehicles, such as the width of its wheels. Their prior in the contract is "task" or "family".
 //
-// Their name is that of the type and of the number: ditch_width is "width_m" of the type "ditch". A study gives such a
-// number either in trial.task, for all trials, or as a variable of its design. In all other trials the variable is 0,
-// which none of these numbers can be. Datasets and tables without any of them lack their columns, and old models too.
+// The name of a type's variable is that of the type and of its number: ditch_width is "width_m" of the type "ditch". A
+// study gives such a number either in trial.task, for all trials, or as a variable of its design. A family's variables
+// are in the design of a study whose vehicle is a family. In all other trials these variables are 0. Datasets and
+// tables without any of them lack their columns, and old models too.
 
-inline bool is_task_variable(const Variable& v) { return v.prior == "task"; }
+inline bool is_family_variable(const Variable& v) { return v.prior == "family"; }
+inline bool is_task_variable(const Variable& v) { return v.prior == "task" || is_family_variable(v); }
 
-/// Whether a table has a column for this variable. `with_task`: the table has the variables of tasks.
+/// Whether a table has a column for this variable, or measure. `with_task`: the table has those of some trials alone.
 inline bool has_column(const Variable& v, bool with_task) { return with_task || !is_task_variable(v); }
+inline bool has_column(const Measure& m, bool with_task) { return with_task || m.task.empty(); }
 
 /// Number of a task and the variable of the contract that may give it.
 struct TaskNumber {

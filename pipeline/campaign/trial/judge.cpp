@@ -28,7 +28,11 @@ class Judge {
   DriveOutcome outcome() {
     DriveOutcome o = measures();
     if (setup_.task->tow().share > 0) o.pull = pull_points();
-    if (const auto slip = setup_.task->given_slip()) o.pull = {towed_point(o, *slip)};
+    if (const auto slip = setup_.task->given_slip()) {
+      o.pull = {towed_point(o, *slip)};
+      o.towed_pull = o.pull.front().pull;
+      if (setup_.task->slip_angle()) o.towed_side = o.pull.front().side;
+    }
     const auto [common, reason] = verdict(o);
     const DriveEnd end{.verdict = common,
                        .reason = reason,
@@ -265,6 +269,8 @@ void store_measures(const DriveOutcome& o, TrialRecord& record) {
   set("bed_creep", o.bed_creep);
   set("worst_residual", o.worst_residual);
   set("energy_error", o.energy_error);
+  set("pull", o.towed_pull);
+  set("side_force", o.towed_side);
 }
 
 DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,

@@ -28,6 +28,7 @@ struct DriveOutcome {
   // 0 before the driving began; NaN of a bed that failed by itself, except for distance, time and speed.
   double distance = 0, drive_time = 0, mean_speed = 0, slip = 0, sinkage = 0, drift = 0, mean_torque = 0,
          energy_per_metre = 0;
+  double towed_pull = kNaN, towed_side = kNaN;  // of a wheel that a carriage tows, over its load; else NaN
   double bed_creep = 0, worst_residual = 0, energy_error = 0;
   Index flags = 0;                  // sim::StepFlag
   std::vector<WheelRecord> wheels;  // of a whole vehicle

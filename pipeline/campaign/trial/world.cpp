@@ -217,7 +217,7 @@ TrialConditions conditions_of(const TrialSetup& setup, const TrialInputs& in) {
   const sim::PairLaw grain = terrain::contact_law(setup.calibration, in.soil, packing);
   // The tyre touches grains with its own friction; soil cohesion acts between grains alone.
   c.laws = {grain, {Real(in.tyre_friction), Real(setup.wheel_rolling) * grain.rolling_friction, 0}};
-  if (setup.compliant_tyres) {
+  if (setup.compliant_tyres && setup.vehicle.wheel.front().compliant.stiffness > 0) {
     const vehicle::LinearSpring spring = tyre_contact(setup, in.payload);
     c.laws.tool.stiffness = Real(spring.stiffness);
     c.laws.tool.damping = Real(spring.damping);

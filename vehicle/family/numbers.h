@@ -1,0 +1,55 @@
+// A family of wheels: numbers without dimension that describe a wheel under its load, and the canonical wheel that has
+// them at a given size and gravity.
+//
+// Granular flow under a wheel scales: of wheels of one shape, the power over M g sqrt(g L) and the speed over sqrt(g L)
+// depend only on g / (L w^2), rho D L^2 / M and, with cohesion, c / (rho g L), where L is the size, D the width, M the
+// load's mass and w the speed of rotation (Slonaker, Motley, Zhang, Townsend, Senatore, Iagnemma & Kamrin, "General
+// scaling relations for locomotion in granular media", Phys. Rev. E 95 (2017) 052901). So neither size nor gravity
+// needs to be sampled.
+#pragma once
+#include "base/json/config.h"
+#include "vehicle/model/vehicle.h"
+
+namespace gonogo::vehicle {
+
+/// Bulk density of soil that numbers without dimension are based on [kg/m^3]: that of grains of 2,650 kg/m^3 at a solid
+/// fraction of 0.604, which is within 5 % of every packing of the soil tables.
+inline constexpr double kFamilyDensity = 1600;
+
+/// Below this share of the diameter a tyre counts as rigid, and a wheel as smooth.
+inline constexpr double kNegligible = 0.005;
+
+/// A wheel of diameter D without lugs and width b, under a load W.
+struct WheelNumbers {
+  double load = 0;        // W / (rho g b D^2): Slonaker's M / (rho D L^2), divided by 4 because L is the radius
+  double width = 0;       // b / D
+  double deflection = 0;  // static deflection on hard ground over D; 0: rigid
+  double lug = 0;         // height of lugs over D; 0: smooth
+};
+
+/// Of a wheel under a load [N].
+WheelNumbers wheel_numbers(const Wheel& wheel, double load, double gravity);
+
+/// What all members of a family share, as configs/families/wheel.json says it.
+struct Family {
+  std::string name, about;
+  std::vector<std::string> sources;
+  double diameter = 1;                   // of the canonical wheel [m]
+  int lug_count = 0;                     // of wheels with lugs
+  double lug_thickness = 0;              // over the diameter
+  double friction = 0;                   // coefficient of the tread on hard ground
+  double wheel_mass = 0, spring_hz = 0;  // share of the load's mass; natural frequency on the Earth at 1 m [Hz]
+};
+
+/// Throws InputError for anything missing or out of range.
+Family read_family(const Config& c);
+bool is_family(const Config& c);
+
+/// The load that a wheel of these numbers has at the family's size [N].
+double load_of(const Family& family, const WheelNumbers& numbers, double gravity);
+
+/// The family's wheel of these numbers as a quarter vehicle: its load is the weight of wheel and sprung mass. Speeds of
+/// its spring scale by sqrt(g / D), so that it swings alike at every size and gravity.
+Vehicle canonical_wheel(const Family& family, const WheelNumbers& numbers, double gravity);
+
+}  // namespace gonogo::vehicle
