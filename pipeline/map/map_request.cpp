@@ -6,12 +6,14 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/files/shipped.h"
 #include "base/format.h"
 #include "base/json/json.h"
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/inspect/vehicle_study.h"
 #include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/map/region/soil.h"
 #include "pipeline/map/trained_model.h"
@@ -265,6 +267,28 @@ std::string vehicle_name(const std::filesystem::path& file) {
   return name && name->is_string() ? name->string() : file.stem().string();
 }
 
+constexpr std::size_t kOwnTrials = 600;  // that a vehicle's own model takes at least
+
+/// The model that was asked for, or the one that ships for the vehicle.
+std::filesystem::path model_file(const MapFiles& files) {
+  if (!files.model.empty()) return find_model(files.model.string());
+  const std::vector<std::string> names = vehicles_with_models();
+  const std::string shipped = "models ship for: " + join_words(names);
+  if (files.vehicle.empty())
+    throw InputError("map: --model is missing; name a shipped model or its vehicle, a model.h5, or --vehicle. " +
+                     shipped);
+  const std::filesystem::path file = shipped_file("vehicles", "vehicle", files.vehicle.string());
+  const std::string name = vehicle_name(file);
+  if (std::count(names.begin(), names.end(), name) == 1) return find_model(name);
+  const inspect::VehicleStudy study = inspect::study_of_vehicle(file, kOwnTrials, kGravity);
+  const std::string own = name + "_study.json", folder = "out/" + name;
+  throw InputError(file.string() + ": the vehicle " + name + " has no model yet; " + shipped +
+                   ". To make its own: gonogo vehicle study " + file.string() + " --out " + own +
+                   "; gonogo campaign run " + own + " --out " + folder + "; gonogo train --dataset " + folder +
+                   "/dataset.h5 --study " + own + " --out " + folder + "/model.h5; then give --model " + folder +
+                   "/model.h5. Cost: " + inspect::cost_text(study, kOwnTrials));
+}
+
 }  // namespace
 
 ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
@@ -275,7 +299,7 @@ MapRequest read_map_request(const MapFiles& files) {
   check_moisture(files.moisture);
   std::optional<campaign::Study> study;
   if (!files.study.empty()) study = campaign::read_study(files.study);
-  const TrainedModel trained = read_trained_model(find_model(files.model.string()), files.dataset);
+  const TrainedModel trained = read_trained_model(model_file(files), files.dataset);
   if (crosses_ditches(trained.predictor->model()))
     throw InputError(trained.file.string() +
                      ": its trials cross ditches, so that it answers for ditches alone; give the vehicle's other model "

@@ -9,7 +9,7 @@
 namespace gonogo::map {
 
 struct MapFiles {
-  std::filesystem::path model;                   // as find_model() takes it: file, folder, or a shipped name
+  std::filesystem::path model;                   // as find_model() takes it; empty: the one that ships for `vehicle`
   std::vector<std::filesystem::path> members{};  // bootstrap members of the model; empty: none
   std::filesystem::path region;                  // region JSON; empty: as the study says
   std::filesystem::path dem{};                   // elevation raster, in place of a region
@@ -20,7 +20,7 @@ struct MapFiles {
   std::filesystem::path crossing_model{};  // of ditches, as `model`; empty: the shipped one of its vehicle, if any
   std::filesystem::path study;             // study JSON: sections map, region and vehicle; empty: defaults
   std::filesystem::path dataset{};         // trials of the model; empty: those beside the model, if any
-  std::filesystem::path vehicle{};         // must be the model's; empty: whichever that is
+  std::filesystem::path vehicle{};         // must be the model's; empty: whichever that is. Names a shipped model, too
   std::filesystem::path whole_vehicle{};   // that a quarter vehicle stands for; empty: the study's
   std::string moisture{};                  // "dry", "moist" or "wet"; empty: the study's
   std::vector<std::string> set{};          // "payload=500": values of the mission
@@ -33,7 +33,8 @@ struct MapFiles {
 
 /// Reads the model, the region and the rules. Variables of the mission that nobody gave take the range that trials
 /// sampled, where the region is an elevation raster alone; in a region file they are summed out. Throws InputError for
-/// files that cannot be used, for a model of another vehicle or other grains than asked, and without any region.
+/// files that cannot be used, for a model of another vehicle or other grains than asked, and without any region. For a
+/// vehicle without a model the message says how to make one, and what that costs here.
 /// Ditches of the region are answered by a model of trials that cross them: the one asked for, or the one that ships
 /// for the model's vehicle.
 MapRequest read_map_request(const MapFiles& files);

@@ -10,6 +10,7 @@
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/region/region.h"
 #include "pipeline/outcome/settings.h"
+#include "vehicle/family/numbers.h"
 #include "vehicle/model/assembly.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/world/engine_vehicle.h"
@@ -63,11 +64,8 @@ bool is_of_ditches(const fs::path& folder) {
   for (const fs::path& folder : shipped_folders("vehicles"))
     for (const std::string& name : shipped_names(folder)) vehicles.push_back(name);
   if (std::find(vehicles.begin(), vehicles.end(), model) != vehicles.end())
-    throw InputError(model +
-                     ": is a vehicle, and no model of its trials ships. Copy configs/studies/hmmwv_32mm.json, name "
-                     "the vehicle in it, and run: gonogo run <study>; 2,000 trials take 2 to 3 hours on an H100 "
-                     "and days on a processor. " +
-                     have);
+    throw InputError(model + ": is a vehicle, and no model of its trials ships; gonogo vehicle study " + model +
+                     " writes the study of its trials and says what they cost here. " + have);
   const std::string nearest = nearest_word(model, names);
   const bool is_near = 2 * edit_distance(model, nearest) <= std::max(model.size(), nearest.size());
   const std::string hint = is_near ? " (did you mean \"" + nearest + "\"?)" : "";
@@ -140,6 +138,7 @@ std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance
                     *soil = campaign::input_text(provenance, "calibration");
   if (!text || !soil) return std::nullopt;
   const Config file = Config::parse(*text, where + ": vehicle");
+  if (vehicle::is_family(file)) return std::nullopt;  // of many vehicles
   TrialVehicle v;
   v.file = file.json();
   v.name = file.text("vehicle");
@@ -167,6 +166,14 @@ fs::path find_model(const std::string& model) {
   std::vector<std::string> names;
   for (const fs::path& folder : of_vehicle) names.push_back(folder.filename().string());
   throw InputError(model + ": several shipped models are of this vehicle; name one of them: " + join_words(names));
+}
+
+std::vector<std::string> vehicles_with_models() {
+  std::vector<std::string> names;
+  for (const fs::path& folder : shipped_models())
+    if (const std::string vehicle = vehicle_of(folder); !vehicle.empty() && !is_of_ditches(folder))
+      names.push_back(vehicle);
+  return names;
 }
 
 TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {

@@ -31,7 +31,7 @@ struct TrialVehicle {
   std::string fidelity() const;
 };
 
-/// Reads it from the provenance. Nothing where the dataset does not hold the file of its vehicle.
+/// Reads it from the provenance. Nothing where the dataset does not hold the file of one vehicle.
 std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance, const std::string& where);
 
 struct TrainedModel {
@@ -51,6 +51,9 @@ std::filesystem::path find_model(const std::string& model);
 /// model learned shipped trials together with others, those shipped ones are its trials. Throws
 /// InputError for files that cannot be read.
 TrainedModel read_trained_model(const std::filesystem::path& file, const std::filesystem::path& dataset = {});
+
+/// Vehicles of the models that ship, those of ditches left out.
+std::vector<std::string> vehicles_with_models();
 
 /// Folders of the models that ship, sorted by name.
 std::vector<std::filesystem::path> shipped_models();

@@ -1,15 +1,16 @@
 // Numbers without dimension: canonical wheels have the numbers they were made from, at every size and gravity.
+#include "base/files/csv.h"
 #include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 #include "tests/support/vehicles.h"
-#include "vehicle/family/numbers.h"
+#include "vehicle/family/vehicle_numbers.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::vehicle {
 namespace {
 
-Family shipped_family() { return read_family(Config::read(GONOGO_SOURCE_DIR "/configs/families/wheel.json")); }
+Family shipped_family() { return read_family(Config::read(GONOGO_SOURCE_DIR "/configs/families/wheeled.json")); }
 
 constexpr WheelNumbers kLugged{.load = 1.7, .width = 0.3, .deflection = 0.04, .lug = 0.03};
 
@@ -67,6 +68,92 @@ TEST_CASE("the numbers of the HMMWV's wheel are those of its file") {
   CHECK(n.width == Approx(0.254 / 0.934));
   CHECK(n.deflection == Approx(643.2 * 9.81 / 163000 / 0.934));
   CHECK(n.lug == Approx(0.02 / 0.934));
+}
+
+namespace {
+
+constexpr VehicleNumbers kTruck{.wheel = kLugged,
+                                .axles = 3,
+                                .axle_gap = 1.6,
+                                .track = 2,
+                                .centre_height = 0.8,
+                                .centre_behind = 0.55,
+                                .clearance = 0.4,
+                                .force = 0.9,
+                                .power = 1.1,
+                                .top_speed = 2.5};
+
+}  // namespace
+
+TEST_CASE("a canonical vehicle has the numbers it was made from, at every size and gravity") {
+  for (const double diameter : {0.25, 1.0, 2.0})
+    for (const double gravity : {kGravity, kGravity / 3, kGravity / 6}) {
+      INFO("diameter " << diameter << " m, gravity " << gravity << " m/s^2");
+      Family family = shipped_family();
+      family.diameter = diameter;
+      const VehicleNumbers n = vehicle_numbers(canonical_vehicle(family, kTruck, gravity), gravity);
+      const auto same = [](double x, double y) { CHECK(x == Approx(y).epsilon(1e-3)); };
+      same(n.wheel.load, kTruck.wheel.load);
+      same(n.wheel.width, kTruck.wheel.width);
+      same(n.wheel.deflection, kTruck.wheel.deflection);
+      same(n.wheel.lug, kTruck.wheel.lug);
+      CHECK(n.axles == kTruck.axles);
+      same(n.axle_gap, kTruck.axle_gap);
+      same(n.track, kTruck.track);
+      same(n.centre_height, kTruck.centre_height);
+      same(n.centre_behind, kTruck.centre_behind);
+      same(n.clearance, kTruck.clearance);
+      same(n.force, kTruck.force);
+      CHECK(n.power == Approx(kTruck.power).epsilon(0.02));
+      CHECK(n.top_speed == Approx(kTruck.top_speed).epsilon(0.03));
+    }
+}
+
+TEST_CASE("nine in ten of the table's vehicles lie inside the family in every number") {
+  const Family family = shipped_family();
+  const auto lines = read_csv_lines(GONOGO_SOURCE_DIR "/data/wheeled_vehicles/vehicles.csv", "vehicles");
+  const auto column = [&](const char* name) {
+    const auto& header = lines.front().cell;
+    return std::size_t(std::find(header.begin(), header.end(), name) - header.begin());
+  };
+  int inside = 0, all = 0;
+  for (std::size_t row = 1; row < lines.size(); ++row) {
+    const auto value = [&](const char* name) { return std::stod(lines[row].cell.at(column(name))); };
+    const double d = value("diameter_m"), weight = value("mass_kg") * value("gravity_m_s2"), axles = value("axles"),
+                 speed = std::sqrt(value("gravity_m_s2") * d);
+    Wheel wheel;
+    wheel.radius = d / 2;
+    wheel.width = value("width_m");
+    wheel.lug_count = 1;
+    wheel.lug_height = value("lug_m");
+    const double load = weight / (2 * axles);
+    if (value("deflection_m") > 0) wheel.compliant.stiffness = load / value("deflection_m");
+    const VehicleNumbers n{.wheel = wheel_numbers(wheel, load, value("gravity_m_s2")),
+                           .axles = int(axles),
+                           .axle_gap = value("wheelbase_m") / (axles - 1) / d,
+                           .track = value("track_m") / d,
+                           .centre_height = value("centre_height_m") / d,
+                           .centre_behind = 0.5,
+                           .clearance = value("clearance_m") / d,
+                           .force = 1,
+                           .power = value("power_W") / (weight * speed),
+                           .top_speed = value("top_speed_m_s") / speed};
+    bool in = true;
+    for (const PlacedNumber& p : placed(family, n)) {
+      if (!p.range.contains(p.value)) UNSCOPED_INFO(lines[row].cell[0] << ": " << p.name << " " << p.value);
+      in = in && p.range.contains(p.value);
+    }
+    inside += in;
+    ++all;
+  }
+  CHECK(all >= 25);
+  CHECK(inside >= 0.9 * all);
+  CHECK(inside < all);  // and the ranges are no wider than that
+}
+
+TEST_CASE("tracked vehicles and wheels by themselves are no members of the family") {
+  refused([] { vehicle_numbers(test::shipped_vehicle("m113"), kGravity); }, "one on tracks");
+  refused([] { vehicle_numbers(test::shipped_vehicle("mgru3"), kGravity); }, "a wheel by itself");
 }
 
 TEST_CASE("a family's file is refused for what is out of range") {

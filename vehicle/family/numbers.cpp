@@ -3,12 +3,12 @@
 #include <cmath>
 
 #include "base/units.h"
+#include "vehicle/family/tyre_size.h"
 
 namespace gonogo::vehicle {
 namespace {
 
 constexpr double kSwingDamping = 0.5;  // of the sprung mass, over the critical one
-constexpr double kTyreDamping = 0.05;  // as in hmmwv.json: a twentieth of the critical one of tyre and load
 constexpr double kTorquePerLoad = 5;   // largest torque over load times radius: the wheel's speed is imposed
 constexpr double kLengthPerWheel = 1.2, kClearancePerWheel = 0.4;  // over the diameter; verdicts alone depend on them
 
@@ -55,6 +55,15 @@ Family read_family(const Config& c) {
   f.lug_count = int(lugs.integer("count", {1, 200}));
   f.lug_thickness = lugs.number("thickness_ratio", {1e-4, 0.2});
   lugs.finish();
+  const Config ranges = c.object("ranges");
+  for (const char* name :
+       {"load_number", "width_ratio", "deflection_ratio", "lug_ratio", "axles", "axle_gap_ratio", "track_ratio",
+        "centre_height_ratio", "centre_share", "clearance_ratio", "force_number", "power_number", "top_speed_number"}) {
+    const std::vector<double> ends = ranges.numbers(name, {0, 100});
+    if (ends.size() != 2 || !(ends[0] < ends[1])) ranges.fail(name, "expected [smallest, largest]");
+    f.range[name] = {ends[0], ends[1]};
+  }
+  ranges.finish();
   c.finish();
   return f;
 }

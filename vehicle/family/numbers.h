@@ -7,6 +7,10 @@
 // scaling relations for locomotion in granular media", Phys. Rev. E 95 (2017) 052901). So neither size nor gravity
 // needs to be sampled.
 #pragma once
+#include <map>
+#include <string>
+#include <vector>
+
 #include "base/json/config.h"
 #include "vehicle/model/vehicle.h"
 
@@ -30,7 +34,7 @@ struct WheelNumbers {
 /// Of a wheel under a load [N].
 WheelNumbers wheel_numbers(const Wheel& wheel, double load, double gravity);
 
-/// What all members of a family share, as configs/families/wheel.json says it.
+/// What all members of a family share, as configs/families/wheeled.json says it.
 struct Family {
   std::string name, about;
   std::vector<std::string> sources;
@@ -38,6 +42,7 @@ struct Family {
   int lug_count = 0;                     // of wheels with lugs
   double lug_thickness = 0;              // over the diameter
   double friction = 0;                   // coefficient of the tread on hard ground
+  std::map<std::string, Range> range;    // of the numbers, by the name of their variable in the contract
   double wheel_mass = 0, spring_hz = 0;  // share of the load's mass; natural frequency on the Earth at 1 m [Hz]
 };
 

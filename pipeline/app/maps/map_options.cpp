@@ -4,8 +4,8 @@ namespace gonogo::app {
 
 void add_map_file_options(CLI::App& command, map::MapFiles& files) {
   add_named(command, "--model", files.model, kModel,
-            "Trained model: name of a shipped one or of its vehicle, or model.h5")
-      ->required();
+            "Trained model: name of a shipped one or of its vehicle, or model.h5; by default the one that ships for "
+            "--vehicle");
   add_named(command, "--dem", files.dem, kFile, "Elevation raster; no region file is needed then");
   add_named(command, "--soil", files.soil, kSoil,
             "With --dem: USDA texture, class of the USCS (SM, CH, ...), soil of configs/soils, soil file, or raster of "
@@ -29,7 +29,8 @@ void add_map_file_options(CLI::App& command, map::MapFiles& files) {
   add_named(command, "--crossing-model", files.crossing_model, kModel,
             "Model of trials that cross ditches, for the region's; by default the one that ships for the vehicle");
   add_named(command, "--dataset", files.dataset, kFile, "Trials of the model; by default dataset.h5 beside it");
-  add_named(command, "--vehicle", files.vehicle, kVehicle, "Refuse unless the model is of this vehicle");
+  add_named(command, "--vehicle", files.vehicle, kVehicle,
+            "Vehicle, whose shipped model answers; with --model: refuse unless it is of this vehicle");
   add_named(command, "--whole-vehicle", files.whole_vehicle, kVehicle,
             "For a quarter vehicle: the whole one, for cone index and driveline; by default the study's");
   command

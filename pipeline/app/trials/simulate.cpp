@@ -11,6 +11,7 @@
 #include "base/files/shipped.h"
 #include "base/format.h"
 #include "base/parallel/for_each.h"
+#include "base/progress.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/trials/numerics_options.h"
 #include "pipeline/campaign/setup/read_setup.h"
@@ -89,17 +90,27 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
   if (options.gpu) sim::require_backend(sim::Backend::cuda);
   campaign::prepare_trials(setup, {&point, 1}, threads_or_all(globals.threads));
   std::string csv;
+  const double time = setup.park_time + setup.time_limit;
+  const auto steps = std::size_t(std::lround(time / setup.numerics.step));
+  std::size_t taken = 0;
+  Progress progress("trial", "steps", steps);
+  progress.announce(line("lets the vehicle down and drives for at most %.3g s", time));
   campaign::TrialWatch watch;
   watch.start = [&] {
+    taken = 0;
     csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
     film.start();
   };
-  watch.sample = [&csv](const campaign::TrialSample& s) { csv += csv_line(s); };
+  watch.sample = [&](const campaign::TrialSample& s) {
+    csv += csv_line(s);
+    progress.update(std::min(++taken, steps), line("%.2f m after %.1f s", s.x, s.time));
+  };
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const campaign::TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
   const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads)};
   campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
+  progress.finish();
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);
   return record;

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "pipeline/app/cli/command.h"
+#include "pipeline/app/trials/vehicle_commands.h"
 #include "pipeline/inspect/feasible_report.h"
 #include "pipeline/inspect/vehicle_report.h"
 
@@ -65,12 +66,15 @@ void add_vci(CLI::App& vehicle, const Globals& globals) {
 }  // namespace
 
 void add_vehicle_command(CLI::App& app, const Globals& globals) {
-  CLI::App* command = app.add_subcommand("vehicle", "Facts of a vehicle, and what it can do at best");
+  CLI::App* command = app.add_subcommand("vehicle", "Make a vehicle, its facts, and what it can do at best");
   command->require_subcommand(1);
   add_examples(*command, {"gonogo vehicle show hmmwv"});
+  add_vehicle_new(*command, globals);
   add_show(*command, globals);
   add_feasible(*command, globals);
   add_vci(*command, globals);
+  add_vehicle_numbers(*command, globals);
+  add_vehicle_study(*command, globals);
 }
 
 }  // namespace gonogo::app

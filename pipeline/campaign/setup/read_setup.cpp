@@ -12,11 +12,22 @@
 namespace gonogo::campaign {
 namespace {
 
+/// The bed of a whole vehicle where the study leaves it open: a folded one, which is cheaper, where there may be one.
+void choose_bed(TrialSetup& s) {
+  if (vehicle::is_quarter(s.vehicle)) return;
+  const Extent e = extent_of(s);
+  s.folded = is_foldable(s.vehicle);
+  s.bed_width = s.folded ? folded_width(s.vehicle) : wide_bed(s);
+  s.bed_length = std::max(s.bed_length, 2 * s.patch().reach + 2 * e.wheel);
+}
+
 void read_bed(const Config& bed, TrialSetup& s) {
   s.bed_length = bed.number_or("length_m", s.bed_length, {0.1, 100});
-  s.folded = bed.boolean_or("folded", s.folded);
+  const double unfolded = vehicle::is_quarter(s.vehicle) ? s.bed_width : wide_bed(s);
+  const bool open = !bed.has("width_m") && !bed.has("tiles_across");
+  s.folded = bed.boolean_or("folded", open && s.folded);
   if (s.folded) check_foldable(s);
-  s.bed_width = bed.number_or("width_m", s.folded ? folded_width(s.vehicle) : s.bed_width, {0.05, 100});
+  s.bed_width = bed.number_or("width_m", s.folded ? folded_width(s.vehicle) : unfolded, {0.05, 100});
   s.tiles_along = int(bed.integer_or("tiles_along", s.tiles_along, {1, 100}));
   s.tiles_across = int(bed.integer_or("tiles_across", s.tiles_across, {1, 100}));
   s.moving_patch = bed.boolean_or("moving_patch", s.moving_patch);
@@ -176,25 +187,25 @@ void check_sizes(const Study& study, const TrialSetup& s) {
                                         number_text(depth->high + 2 * grain, 3) + " m or more");
 }
 
-/// The family's member that is largest in everything that the design samples.
-vehicle::Vehicle largest_member(const Study& study, const TrialSetup& s) {
-  const auto largest = [&](const char* name) {
-    const Variable& v = contract().variables[contract().variable_index(name)];
-    const auto design = study.config.object_if("design");
-    const auto span = design ? span_of(*design, name, {v.minimum, v.maximum}) : std::nullopt;
+/// Takes the family's member that is largest in everything that the design samples.
+void take_largest_member(const Study& study, TrialSetup& s) {
+  const auto design = study.config.object_if("design");
+  DesignPoint largest{.variables = std::vector<double>(contract().variables.size(), 0)};
+  for (std::size_t v = 0; v < contract().variables.size(); ++v) {
+    const Variable& variable = contract().variables[v];
+    if (!is_family_variable(variable) || !is_varied(s, v)) continue;
+    const auto span =
+        design ? span_of(*design, variable.name.c_str(), {variable.minimum, variable.maximum}) : std::nullopt;
     if (!span)
-      study.config.fail("design", std::string(name) + ": missing; the vehicle " + s.family->name +
+      study.config.fail("design", variable.name + ": missing; the vehicle " + s.family->name +
                                       " is a family, so give it a range or a fixed value");
-    return span->high;
-  };
-  const vehicle::WheelNumbers numbers{.load = largest("load_number"),
-                                      .width = largest("width_ratio"),
-                                      .deflection = largest("deflection_ratio"),
-                                      .lug = largest("lug_ratio")};
-  if (numbers.deflection >= vehicle::kNegligible && !s.compliant_tyres)
-    study.config.fail("trial", "compliant_tyres: the design has deflection_ratio up to " +
-                                   number_text(numbers.deflection) + "; set it to true, or the ratio to 0");
-  return vehicle::canonical_wheel(*s.family, numbers, s.gravity);
+    largest.variables[v] = variable.name == "centre_share" ? 0.5 : span->high;
+  }
+  const double deflection = wheel_at(largest).deflection;
+  if (deflection >= vehicle::kNegligible && !s.compliant_tyres)
+    study.config.fail("trial", "compliant_tyres: the design has deflection_ratio up to " + number_text(deflection) +
+                                   "; set it to true, or the ratio to 0");
+  take_member(s, vehicle_at(largest));
 }
 
 void read_vehicle_file(const Config& file, TrialSetup& s) {
@@ -213,21 +224,25 @@ void read_vehicle_or_family(const Study& study, TrialSetup& s) {
   const Config file = study.file_named("vehicle", s.vehicle_file);
   if (!vehicle::is_family(file)) return read_vehicle_file(file, s);
   s.family = std::make_shared<const vehicle::Family>(vehicle::read_family(file));
-  s.vehicle = largest_member(study, s);
+  const auto task = study.section("trial").object_if("task");
+  s.family_wheels = task && task->text("type") == "single_wheel";
+  take_largest_member(study, s);
 }
 
 /// Every wheel must stand on the bed, beside and not on its own image; on a folded one beside the other lane.
 void check_wheels_on_bed(const TrialSetup& s) {
   const Extent e = extent_of(s);
   const double length = s.tiles_along * s.bed_length, width = s.tiles_across * s.bed_width;
-  const auto too_small = [&](const char* side, double has, double needs) {
+  const auto too_small = [&](const char* side, double has, double needs, const std::string& remedy) {
     throw InputError("the bed is " + number_text(has, 4) + " m " + side + ", and the wheels of the vehicle take " +
-                     number_text(needs, 4) + " m: a wheel would stand outside the bed; enlarge trial.bed, put more " +
-                     "tiles side by side with tiles_along and tiles_across, or fold its width (trial.bed.folded)");
+                     number_text(needs, 4) + " m: a wheel would stand outside the bed; " + remedy);
   };
-  if (length < 2 * e.ends()) too_small("long", length, 2 * e.ends());
+  if (length < 2 * e.ends())
+    too_small("long", length, 2 * e.ends(), "enlarge trial.bed.length_m, or put more tiles in a row with tiles_along");
   if (s.folded) return check_lanes(s);
-  if (width < e.width) too_small("wide", width, e.width);
+  if (width < e.width)
+    too_small("wide", width, e.width,
+              "leave width_m and tiles_across of trial.bed out, and the bed is as wide as it must be");
 }
 
 /// "between -45 and 45 deg"
@@ -253,6 +268,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   s.calibration = terrain::read_calibration(study.file_named("calibration", s.calibration_file));
   soil.finish();
   terrain::AskedNumerics asked;
+  if (!s.family) choose_bed(s);
   if (trial) {
     if (const auto c = trial->object_if("bed")) read_bed(*c, s);
     if (const auto c = trial->object_if("drive")) read_drive(*c, s);
@@ -263,6 +279,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
     trial->finish();
   }
   s.numerics = terrain::numerics_by_table(s.calibration, s.calibration_file, asked);
+  if (s.family) take_largest_member(study, s);
   check_wheels_on_bed(s);
   check_tyres(s);
   if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);

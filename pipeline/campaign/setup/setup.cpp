@@ -29,6 +29,14 @@ double widest_tyre(const vehicle::Vehicle& v) {
   return width;
 }
 
+/// Top speed of the family's vehicles over sqrt(g D): above all that trials command.
+constexpr double kTopSpeed = 3;
+
+/// Of a wheel by itself, and not of a whole vehicle.
+bool is_of_wheel(const Variable& v) {
+  return v.name == "load_number" || v.name == "width_ratio" || v.name == "deflection_ratio" || v.name == "lug_ratio";
+}
+
 }  // namespace
 
 terrain::MovingPatch TrialSetup::patch() const {
@@ -100,13 +108,16 @@ void check_tyres(const TrialSetup& s) {
 double grains_per_tyre(const TrialSetup& s) { return vehicle::tread_width(s.vehicle) / s.calibration.grain_diameter; }
 
 bool is_varied(const TrialSetup& s, std::size_t v) {
-  if (is_family_variable(contract().variables[v])) return s.family != nullptr;
+  const Variable& variable = contract().variables[v];
+  if (is_family_variable(variable)) return s.family && (!s.family_wheels || is_of_wheel(variable));
   return std::any_of(s.task_varied.begin(), s.task_varied.end(), [v](const TaskNumber& n) { return n.variable == v; });
 }
 
 std::string refusal_of_size(const TrialSetup& s, std::size_t v) {
+  if (is_family_variable(contract().variables[v]) && s.family)
+    return "trials of type single_wheel drive a wheel by itself; leave it out, or change trial.task.type";
   if (is_family_variable(contract().variables[v]))
-    return "the vehicle " + s.vehicle.name + " is no family; leave the number out, or name ../families/wheel.json";
+    return "the vehicle " + s.vehicle.name + " is no family; leave the number out, or name ../families/wheeled.json";
   const std::string type = s.task->name();
   for (const TaskNumber& n : task_numbers(type))
     if (n.variable == v) return "trial.task gives " + n.key + " already; keep one of the two";
@@ -160,13 +171,41 @@ vehicle::WheelNumbers wheel_at(const DesignPoint& point) {
           .lug = value("lug_ratio")};
 }
 
+vehicle::VehicleNumbers vehicle_at(const DesignPoint& point) {
+  const auto value = [&](const char* name) { return point.variables.at(contract().variable_index(name)); };
+  vehicle::VehicleNumbers n{.wheel = wheel_at(point)};
+  n.axles = std::clamp(int(std::lround(value("axles"))), 2, 4);
+  n.axle_gap = value("axle_gap_ratio");
+  n.track = value("track_ratio");
+  n.centre_height = value("centre_height_ratio");
+  n.centre_behind = value("centre_share");
+  n.clearance = value("clearance_ratio");
+  n.force = value("force_number");
+  n.power = value("power_number");
+  n.top_speed = kTopSpeed;
+  return n;
+}
+
+void take_member(TrialSetup& s, const vehicle::VehicleNumbers& numbers) {
+  if (s.family_wheels) {
+    s.vehicle = vehicle::canonical_wheel(*s.family, numbers.wheel, s.gravity);
+    return;
+  }
+  s.vehicle = vehicle::canonical_vehicle(*s.family, numbers, s.gravity);
+  const Extent e = extent_of(s);
+  s.tiles_along = int(std::ceil((e.base + 7 * e.wheel) / s.bed_length));
+  s.tiles_across = 1;
+  while (lane_gap(s.vehicle, s.tiles_across * s.bed_width) < kMinLaneGap * widest_tyre(s.vehicle)) ++s.tiles_across;
+  s.folded = s.tiles_across * s.bed_width < e.width;
+}
+
 TrialSetup setup_at(const TrialSetup& setup, const DesignPoint& point) {
   for (std::size_t v = 0; v < contract().variables.size(); ++v)
     if (is_task_variable(contract().variables[v]) && point.variables[v] != 0 && !is_varied(setup, v))
       throw InputError(contract().variables[v].name + ": " + refusal_of_size(setup, v));
   TrialSetup own = setup;
   own.inputs = inputs_of(point);
-  if (own.family) own.vehicle = vehicle::canonical_wheel(*own.family, wheel_at(point), own.gravity);
+  if (own.family) take_member(own, vehicle_at(point));
   if (own.task_varied.empty()) return own;
   for (const TaskNumber& n : own.task_varied) own.task_given.number[n.key] = point.variables[n.variable];
   own.task = make_task(own.task_given, "trial " + std::to_string(point.index) + ": trial.task");
@@ -190,6 +229,15 @@ double lane_gap(const vehicle::Vehicle& v, double width) {
   return smallest;
 }
 
+bool is_foldable(const vehicle::Vehicle& v) {
+  return !vehicle::is_quarter(v) && !v.track && lane_gap(v, folded_width(v)) >= kMinLaneGap * widest_tyre(v);
+}
+
+double wide_bed(const TrialSetup& s) {
+  const Extent e = extent_of(s);
+  return e.width + 2 * e.wheel;
+}
+
 void check_foldable(const TrialSetup& s) {
   if (vehicle::is_quarter(s.vehicle))
     throw InputError(s.vehicle_file.string() +
@@ -207,9 +255,12 @@ void check_lanes(const TrialSetup& s) {
   if (gap >= needed) return;
   throw InputError("on a folded bed of " + number_text(width, 4) + " m there are " +
                    number_text(std::max(0.0, gap), 4) + " m between the tyres of neighbouring lanes; at least " +
-                   number_text(needed, 4) +
-                   " m are needed, so that no tyre runs in another's rut; leave trial.bed.width_m out, which gives " +
-                   number_text(folded_width(s.vehicle), 4) + " m, or trial.bed.folded");
+                   number_text(needed, 4) + " m are needed, so that no tyre runs in another's rut; " +
+                   (is_foldable(s.vehicle)
+                        ? "leave trial.bed.width_m out, which gives " + number_text(folded_width(s.vehicle), 4) + " m"
+                        : "tyres so wide for their track have no folded bed: leave folded and "
+                          "width_m out, which gives " +
+                              number_text(wide_bed(s), 4) + " m"));
 }
 
 void fold_bed(TrialSetup& s) {

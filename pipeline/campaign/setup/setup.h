@@ -12,7 +12,7 @@
 #include "pipeline/campaign/study/study.h"
 #include "terrain/bed/bed.h"
 #include "terrain/soil/calibration.h"
-#include "vehicle/family/numbers.h"
+#include "vehicle/family/vehicle_numbers.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::campaign {
@@ -49,6 +49,7 @@ struct TrialSetup {
   double gravity = kGravity;  // where the vehicle drives; beds are settled under the Earth's [m/s^2]
   vehicle::Vehicle vehicle;   // a whole one or a quarter; of a family, the largest member of the design
   std::shared_ptr<const vehicle::Family> family;  // whose members the points describe; null for a single vehicle
+  bool family_wheels = false;                     // they are wheels by themselves, not whole vehicles
   terrain::Calibration calibration;
   std::filesystem::path vehicle_file, calibration_file;
   double bed_length = 4, bed_width = 0.8;  // [m]
@@ -120,8 +121,13 @@ void fit_to_task(TrialSetup& s);
 /// Throws InputError when compliant tyres are asked of a vehicle whose file has no tyre stiffness.
 void check_tyres(const TrialSetup& s);
 
-/// Numbers of the family's wheel at a point.
+/// Numbers of the family's wheel and vehicle at a point.
 vehicle::WheelNumbers wheel_at(const DesignPoint& point);
+vehicle::VehicleNumbers vehicle_at(const DesignPoint& point);
+
+/// The family's member of these numbers. A whole one gets as many tiles of bed as it needs: in a row, and side by side
+/// the fewest on which no tyre runs in another's rut.
+void take_member(TrialSetup& setup, const vehicle::VehicleNumbers& numbers);
 
 /// The setup of the trial at a point: with its inputs, its member of a family, and its task with the numbers that the
 /// point gives. Throws InputError for a point that sets a number that the task or vehicle has not, or has already.
@@ -150,6 +156,12 @@ double folded_width(const vehicle::Vehicle& v);
 /// Min gap between a left and a right tyre, or a tyre and its image, on a bed of this period [m].
 double lane_gap(const vehicle::Vehicle& v, double width);
 
+/// Whether the vehicle's lanes lie far enough apart on a bed of folded_width().
+bool is_foldable(const vehicle::Vehicle& v);
+
+/// Width of a bed that is not folded, on which a vehicle's wheels stand a wheel's diameter from their images [m].
+double wide_bed(const TrialSetup& setup);
+
 /// Makes the bed of `setup` a folded one of one tile across. Throws InputError as check_foldable() does.
 void fold_bed(TrialSetup& setup);
 
@@ -157,7 +169,7 @@ void fold_bed(TrialSetup& setup);
 /// images.
 void check_foldable(const TrialSetup& setup);
 
-/// Throws InputError, with a width that would do, when the lanes of a folded bed lie too close.
+/// Throws InputError, with a bed that would do, when the lanes of a folded bed lie too close.
 void check_lanes(const TrialSetup& setup);
 
 }  // namespace gonogo::campaign

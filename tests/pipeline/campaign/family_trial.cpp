@@ -22,7 +22,7 @@ const std::string kNumbers =
 struct StudyFile {
   TemporaryFolder folder;
 
-  Study with(const std::string& numbers = kNumbers, const std::string& vehicle = kConfigs + "families/wheel.json",
+  Study with(const std::string& numbers = kNumbers, const std::string& vehicle = kConfigs + "families/wheeled.json",
              const std::string& tyres = "true", const std::string& task = R"({"type": "single_wheel"})") const {
     write_file_atomically(folder / "study.json", R"({"study": "wheels", "seed": 4, "vehicle": ")" + vehicle +
                                                      R"(", "soil": {"calibration": ")" + kConfigs +
@@ -64,6 +64,28 @@ TEST_CASE("every point of a family's study drives the wheel that it describes, a
   }
 }
 
+TEST_CASE("every point of a study of whole vehicles drives its vehicle on a bed where no tyre runs in another's rut") {
+  const Study study = read_study(kConfigs + "studies/wheeled_family_32mm.json");
+  const TrialSetup setup = read_trial_setup(study, std::filesystem::temp_directory_path() / "gonogo-test-beds");
+  DesignSpec spec = read_design(study.section("design"), study.seed);
+  spec.points = 128;
+  int axles[5] = {};
+  for (const DesignPoint& p : make_design(spec)) {
+    const TrialSetup own = setup_at(setup, p);
+    const vehicle::VehicleNumbers asked = vehicle_at(p), n = vehicle::vehicle_numbers(own.vehicle, own.gravity);
+    ++axles[n.axles];
+    CHECK(n.axles == asked.axles);
+    CHECK(n.wheel.load == Approx(asked.wheel.load).epsilon(1e-3));
+    CHECK(n.track == Approx(asked.track).epsilon(1e-3));
+    CHECK(n.centre_behind == Approx(asked.centre_behind).epsilon(1e-3));
+    const Extent e = extent_of(own);
+    CHECK(own.tiles_along * own.bed_length >= e.base + 7 * e.wheel);
+    CHECK(lane_gap(own.vehicle, own.tiles_across * own.bed_width) >= own.vehicle.wheel.front().width);
+    terrain::check_patch(own.patch(), own.calibration.grain_diameter);
+  }
+  for (const int count : {axles[2], axles[3], axles[4]}) CHECK(count > 30);
+}
+
 TEST_CASE("the record of a towed wheel holds its pull, and a row of text the same bits") {
   const StudyFile file;
   const Study study = file.with();
@@ -88,14 +110,14 @@ TEST_CASE("studies of families are refused in one sentence where vehicle, tyres 
     const auto at = numbers.find(part);
     return numbers.erase(at, part.size());
   };
-  refuse("width_ratio: missing; the vehicle wheel_family is a family",
+  refuse("width_ratio: missing; the vehicle wheeled_family is a family",
          without(kNumbers, R"("width_ratio": [0.25, 0.4], )"));
-  refuse("compliant_tyres: the design has deflection_ratio up to 0.08", kNumbers, kConfigs + "families/wheel.json",
+  refuse("compliant_tyres: the design has deflection_ratio up to 0.08", kNumbers, kConfigs + "families/wheeled.json",
          std::string("false"));
   refuse("the vehicle hmmwv_quarter is no family", kNumbers, kConfigs + "vehicles/hmmwv_quarter.json");
-  refuse("trials of type climb have no such number", kNumbers, kConfigs + "families/wheel.json", std::string("true"),
+  refuse("axles: missing; the vehicle wheeled_family is a family", kNumbers, kConfigs + "families/wheeled.json", std::string("true"),
          std::string(R"({"type": "climb"})"));
-  refused([] { vehicle_trial_setup(kConfigs + "families/wheel.json", kConfigs + "soils/calibration_90mm.json"); },
+  refused([] { vehicle_trial_setup(kConfigs + "families/wheeled.json", kConfigs + "soils/calibration_90mm.json"); },
           "is a family of vehicles");
 }
 

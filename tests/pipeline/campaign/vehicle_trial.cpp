@@ -16,6 +16,7 @@
 #include "tests/support/refused.h"
 #include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
+#include "vehicle/family/data_sheet.h"
 
 namespace gonogo::campaign {
 
@@ -230,6 +231,71 @@ TEST_CASE("on a folded bed a HMMWV stands as on three of it side by side") {
     CHECK(agrees("height of its axle [m]", height[1][i], height[0][i], 0.005));
   }
   CHECK(load[0][1] > 1.1 * load[0][0]);  // the right side is the lower one
+}
+
+TEST_CASE("a study that leaves its bed open gets a folded one, or one as wide as tyres too wide for that need") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  const TemporaryFolder folder;
+  const auto bed_of = [&](const std::string& vehicle, const std::string& bed) {
+    write_file_atomically(folder / "study.json",
+                          R"({"study": "own", "seed": 1, "vehicle": ")" + vehicle + R"(", "soil": {"calibration": ")" +
+                              (configs / "soils/calibration_90mm.json").string() + R"("}, "trial": {)" + bed + "}}");
+    return read_trial_setup(read_study(folder / "study.json"), fs::temp_directory_path() / "gonogo-test-beds");
+  };
+  vehicle::DataSheet sheet;
+  sheet.name = "wide tyres";
+  sheet.mass = 60;
+  sheet.wheelbase = {0.6};
+  sheet.track = 0.5;
+  sheet.tyre = vehicle::read_tyre_size("0.35x0.2");
+  sheet.power = 500;
+  sheet.top_speed = 2;
+  sheet.clearance = 0.1;
+  sheet.sources = {"made for this test"};
+  write_file_atomically(folder / "robot.json", vehicle::vehicle_file(sheet).json.dump());
+  const std::string robot = folder / "robot.json", hmmwv = configs / "vehicles/hmmwv.json";
+  CHECK(bed_of(hmmwv, "").folded);
+  CHECK(bed_of(hmmwv, R"("bed": {"moving_patch": true})").folded);
+  CHECK_FALSE(bed_of(hmmwv, R"("bed": {"width_m": 3})").folded);
+  const TrialSetup wide = bed_of(robot, R"("bed": {"moving_patch": true})");
+  CHECK_FALSE(wide.folded);
+  CHECK(wide.bed_width == Approx(0.5 + 0.2 + 0.35));
+  CHECK(bed_of(hmmwv, R"("bed": {"folded": false})").bed_width > 3);
+  // What a message proposes is accepted.
+  refused([&] { bed_of(robot, R"("bed": {"folded": true})"); }, "leave folded and width_m out, which gives 1.05 m");
+  refused([&] { bed_of(robot, R"("bed": {"width_m": 0.4})"); }, "leave width_m and tiles_across of trial.bed out");
+}
+
+TEST_CASE("a vehicle made from a data sheet settles at its design height and drives") {
+  const TemporaryFolder folder;
+  vehicle::DataSheet sheet;
+  sheet.name = "buggy";
+  sheet.mass = 900;
+  sheet.axles = 3;
+  sheet.wheelbase = {1.2, 1.2};
+  sheet.track = 1.4;
+  sheet.tyre = vehicle::read_tyre_size("26x9-12");
+  sheet.power = 50e3;
+  sheet.top_speed = 25;
+  sheet.clearance = 0.3;
+  sheet.sources = {"made for this test"};
+  write_file_atomically(folder / "buggy.json", vehicle::vehicle_file(sheet).json.dump());
+  TrialSetup s =
+      vehicle_trial_setup(folder / "buggy.json", fs::path(GONOGO_SOURCE_DIR) / "configs/soils/calibration_90mm.json");
+  fold_bed(s);
+  s.compliant_tyres = true;
+  check_tyres(s);
+  s.time_limit = s.min_drive_time = 1.5;
+  s.packing_seeds = 1;
+  DesignPoint p;
+  p.variables = usual_values(s);
+  set_value(p.variables, "friction_angle", 38, "test");
+  set_value(p.variables, "commanded_speed", 1, "test");
+  const TrialRecord record = run_trial(s, p);
+  REQUIRE(record.verdict != Verdict::unknown);
+  REQUIRE(record.wheels.size() == 6);
+  CHECK(measure_of(record, "mean_speed") > 0.3);
+  for (const WheelRecord& w : record.wheels) CHECK(std::fabs(w.sinkage) < 0.15);
 }
 
 TEST_CASE("a folded bed is refused where lanes would meet, for one wheel, and for tracks") {

@@ -17,8 +17,9 @@ inline double synthetic_p_go(double slope_along, double friction_angle) {
 /// slope 0..35, friction angle 20..45, cohesion 0..20, relative density 0..1, payload 0..3000, tyre friction 0.4..0.9
 /// vary; the others are fixed. About one trial in thirty fails. Every tenth point has a replicate.
 inline std::vector<TrialRecord> synthetic_trials(std::size_t count, std::uint64_t seed) {
-  const double lower[] = {0, -10, 20, 0, 0, 0, 0.4, 0.3, 2, 0, 0, 0},
-               upper[] = {35, 10, 45, 20, 1, 3000, 0.9, 0.3, 2, 0, 0, 0};
+  std::vector<double> lower = {0, -10, 20, 0, 0, 0, 0.4, 0.3, 2}, upper = {35, 10, 45, 20, 1, 3000, 0.9, 0.3, 2};
+  lower.resize(contract().variables.size(), 0);
+  upper.resize(contract().variables.size(), 0);
   std::vector<TrialRecord> records;
   for (std::size_t n = 0; n < count; ++n) {
     TrialRecord record;

@@ -38,6 +38,10 @@ inline const std::filesystem::path& model_file() {
   return path;
 }
 
-inline std::vector<double> middle_point() { return {12, 0, 33, 10, 0.5, 1500, 0.65, 0.3, 2, 0, 0, 0}; }
+inline std::vector<double> middle_point() {
+  std::vector<double> point = {12, 0, 33, 10, 0.5, 1500, 0.65, 0.3, 2};
+  point.resize(contract().variables.size(), 0);
+  return point;
+}
 
 }  // namespace gonogo::outcome

@@ -1,0 +1,123 @@
+// gonogo vehicle numbers and study: a vehicle's place in the family, and a study of trials for it.
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/error.h"
+#include "base/files/file.h"
+#include "base/files/shipped.h"
+#include "base/format.h"
+#include "pipeline/app/cli/command.h"
+#include "pipeline/app/trials/vehicle_commands.h"
+#include "pipeline/inspect/vehicle_report.h"
+#include "pipeline/inspect/vehicle_study.h"
+#include "vehicle/family/vehicle_numbers.h"
+
+namespace gonogo::app {
+namespace {
+
+/// How far outside its range a number is, as a share of the nearest end; 0 inside.
+double excess(const vehicle::PlacedNumber& n) {
+  if (n.value < n.range.minimum) return n.range.minimum > 0 ? 1 - n.value / n.range.minimum : n.range.minimum - n.value;
+  if (n.value > n.range.maximum) return n.value / n.range.maximum - 1;
+  return 0;
+}
+
+std::string place_text(const vehicle::PlacedNumber& n) {
+  const double outside = excess(n);
+  if (outside == 0) return "inside";
+  return number_text(100 * outside, 2) + " % " + (n.value < n.range.minimum ? "below" : "above");
+}
+
+struct NumbersOptions {
+  std::string vehicle;
+  double gravity = kGravity;
+};
+
+void show_numbers(const Globals& globals, const NumbersOptions& o) {
+  const vehicle::Family family = vehicle::read_family(Config::read(shipped_file("families", "family", "wheeled")));
+  const vehicle::Vehicle v = vehicle::read_vehicle(inspect::vehicle_file(o.vehicle));
+  Json list = Json::array();
+  std::string text = v.name + line(", gravity %.3g m/s2; lengths over the wheel's diameter\n\n", o.gravity) +
+                     "number                    value  family's range     place     \n";
+  std::size_t outside = 0;
+  for (const vehicle::PlacedNumber& n : vehicle::placed(family, vehicle::vehicle_numbers(v, o.gravity))) {
+    outside += excess(n) > 0;
+    text += line("%-20s %10.3g  %7.3g to %-7.3g  %-11s %s\n", n.name.c_str(), n.value, n.range.minimum, n.range.maximum,
+                 place_text(n).c_str(), n.about.c_str());
+    list.push_back(Json::Object{{"name", n.name},
+                                {"value", n.value},
+                                {"range", Json::Array{n.range.minimum, n.range.maximum}},
+                                {"inside", excess(n) == 0},
+                                {"outside_share", excess(n)}});
+  }
+  text += outside == 0 ? "\nthe vehicle lies inside the family\n"
+                       : "\nthe vehicle lies outside the family in " + std::to_string(outside) + " of its numbers\n";
+  Json result = Json::object();
+  result["vehicle"] = v.name;
+  result["gravity_m_per_s2"] = o.gravity;
+  result["numbers"] = list;
+  result["inside"] = outside == 0;
+  print_result(globals, result, text);
+}
+
+struct StudyOptions {
+  std::string vehicle, out;
+  int points = 600;
+  double gravity = kGravity;
+};
+
+void write_study(const Globals& globals, const StudyOptions& o) {
+  const std::filesystem::path vehicle = inspect::vehicle_file(o.vehicle);
+  const std::filesystem::path out = o.out.empty() ? vehicle.stem().string() + "_study.json" : o.out;
+  if (std::filesystem::exists(out))
+    throw InputError(out.string() + ": exists already, and is kept; give another file with --out, or remove it");
+  const inspect::VehicleStudy study = inspect::study_of_vehicle(vehicle, std::size_t(o.points), o.gravity);
+  write_file_atomically(out, study.json.dump(2) + "\n");
+  const inspect::StudyCost cost = inspect::cost_of(study, std::size_t(o.points));
+  Json result = Json::object();
+  result["file"] = out.string();
+  result["trials"] = o.points;
+  result["seconds"] = cost.seconds;
+  result["device"] = cost.device;
+  result["grains_per_tread"] = study.grains_per_tread;
+  const std::string folder = "out/" + vehicle.stem().string();
+  print_result(globals, result,
+               "written to " + out.string() + "\n" + inspect::cost_text(study, std::size_t(o.points)) +
+                   line("\ngrains of %.3g mm, %.2g across a tread, about %.0f in a bed\n", 1e3 * study.grain,
+                        study.grains_per_tread, study.grains) +
+                   "next\n  gonogo campaign run " + out.string() + " --out " + folder + "\n  gonogo train --dataset " +
+                   folder + "/dataset.h5 --study " + out.string() + " --out " + folder +
+                   "/model.h5\n  gonogo map --model " + folder + "/model.h5 --dem elevation.tif --out out/map\n");
+}
+
+template <class Options>
+void add_gravity(CLI::App& command, Options& options) {
+  add_number(command, "--gravity", options.gravity, {0.1, 30.0}, "Gravity where it drives [m/s2]");
+}
+
+}  // namespace
+
+void add_vehicle_numbers(CLI::App& vehicle, const Globals& globals) {
+  CLI::App* command =
+      vehicle.add_subcommand("numbers", "Numbers without dimension, and whether the family covers them");
+  const auto options = std::make_shared<NumbersOptions>();
+  add_named(*command, "vehicle", options->vehicle, kVehicle, "Vehicle")->required();
+  add_gravity(*command, *options);
+  add_examples(*command, {"gonogo vehicle numbers hmmwv", "gonogo vehicle numbers viper --gravity 1.62"});
+  command->callback([&globals, options] { show_numbers(globals, *options); });
+}
+
+void add_vehicle_study(CLI::App& vehicle, const Globals& globals) {
+  CLI::App* command =
+      vehicle.add_subcommand("study", "Write a study of trials for a vehicle, and say what it costs here");
+  const auto options = std::make_shared<StudyOptions>();
+  add_named(*command, "vehicle", options->vehicle, kVehicle, "Vehicle")->required();
+  add_number(*command, "--points", options->points, {8, 1000000}, "Points of the design");
+  add_gravity(*command, *options);
+  add_named(*command, "--out", options->out, kFile, "Study file; by default NAME_study.json");
+  add_examples(*command, {"gonogo vehicle study buggy.json --points 600"});
+  command->callback([&globals, options] { write_study(globals, *options); });
+}
+
+}  // namespace gonogo::app

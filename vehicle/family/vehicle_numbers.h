@@ -1,0 +1,37 @@
+// Whole vehicles of the family: numbers without dimension of a vehicle, and the canonical vehicle that has them.
+#pragma once
+#include "vehicle/family/numbers.h"
+
+namespace gonogo::vehicle {
+
+/// Of a vehicle of weight W with wheels of diameter D. Lengths are over D.
+struct VehicleNumbers {
+  WheelNumbers wheel;        // of the mean wheel: W over the number of wheels is its load
+  int axles = 2;             // 2 to 4
+  double axle_gap = 0;       // mean distance from one axle to the next
+  double track = 0;          // between the middles of left and right wheels
+  double centre_height = 0;  // of mass, over hard ground
+  double centre_behind = 0;  // of mass, behind the first axle, over the distance of the outer axles
+  double clearance = 0;      // belly over the ground
+  double force = 0;          // largest tractive force over W
+  double power = 0;          // largest power at the treads over W sqrt(g D): Slonaker's P / (M g sqrt(g L))
+  double top_speed = 0;      // over sqrt(g D)
+};
+
+/// Throws InputError for vehicles on tracks or one wheel, and for one axle or more than four.
+VehicleNumbers vehicle_numbers(const Vehicle& v, double gravity);
+
+/// The family's vehicle of these numbers: evenly spaced axles on wishbones, a motor in every wheel. Its springs scale
+/// as those of canonical_wheel(). Throws InputError for numbers that no vehicle has, such as overlapping wheels.
+Vehicle canonical_vehicle(const Family& family, const VehicleNumbers& numbers, double gravity);
+
+/// A number with its name, its value and the family's range.
+struct PlacedNumber {
+  std::string name, about;
+  double value = 0;
+  Range range;
+};
+/// All numbers of a vehicle in the family.
+std::vector<PlacedNumber> placed(const Family& family, const VehicleNumbers& numbers);
+
+}  // namespace gonogo::vehicle
