@@ -11,9 +11,9 @@
 #include "base/json/json.h"
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/setup/vehicle_study.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/inspect/vehicle_study.h"
 #include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/map/region/soil.h"
 #include "pipeline/map/trained_model.h"
@@ -280,13 +280,13 @@ std::filesystem::path model_file(const MapFiles& files) {
   const std::filesystem::path file = shipped_file("vehicles", "vehicle", files.vehicle.string());
   const std::string name = vehicle_name(file);
   if (std::count(names.begin(), names.end(), name) == 1) return find_model(name);
-  const inspect::VehicleStudy study = inspect::study_of_vehicle(file, kOwnTrials, kGravity);
+  const campaign::VehicleStudy study = campaign::study_of_vehicle(file, kOwnTrials, kGravity);
   const std::string own = name + "_study.json", folder = "out/" + name;
   throw InputError(file.string() + ": the vehicle " + name + " has no model yet; " + shipped +
                    ". To make its own: gonogo vehicle study " + file.string() + " --out " + own +
                    "; gonogo campaign run " + own + " --out " + folder + "; gonogo train --dataset " + folder +
                    "/dataset.h5 --study " + own + " --out " + folder + "/model.h5; then give --model " + folder +
-                   "/model.h5. Cost: " + inspect::cost_text(study, kOwnTrials));
+                   "/model.h5. Cost: " + campaign::cost_text(study, kOwnTrials));
 }
 
 }  // namespace

@@ -7,10 +7,11 @@
 #include "base/files/file.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
+#include "base/units.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/trials/vehicle_commands.h"
+#include "pipeline/campaign/setup/vehicle_study.h"
 #include "pipeline/inspect/vehicle_report.h"
-#include "pipeline/inspect/vehicle_study.h"
 #include "vehicle/family/vehicle_numbers.h"
 
 namespace gonogo::app {
@@ -72,9 +73,9 @@ void write_study(const Globals& globals, const StudyOptions& o) {
   const std::filesystem::path out = o.out.empty() ? vehicle.stem().string() + "_study.json" : o.out;
   if (std::filesystem::exists(out))
     throw InputError(out.string() + ": exists already, and is kept; give another file with --out, or remove it");
-  const inspect::VehicleStudy study = inspect::study_of_vehicle(vehicle, std::size_t(o.points), o.gravity);
+  const campaign::VehicleStudy study = campaign::study_of_vehicle(vehicle, std::size_t(o.points), o.gravity);
   write_file_atomically(out, study.json.dump(2) + "\n");
-  const inspect::StudyCost cost = inspect::cost_of(study, std::size_t(o.points));
+  const campaign::StudyCost cost = campaign::cost_of(study, std::size_t(o.points));
   Json result = Json::object();
   result["file"] = out.string();
   result["trials"] = o.points;
@@ -83,7 +84,7 @@ void write_study(const Globals& globals, const StudyOptions& o) {
   result["grains_per_tread"] = study.grains_per_tread;
   const std::string folder = "out/" + vehicle.stem().string();
   print_result(globals, result,
-               "written to " + out.string() + "\n" + inspect::cost_text(study, std::size_t(o.points)) +
+               "written to " + out.string() + "\n" + campaign::cost_text(study, std::size_t(o.points)) +
                    line("\ngrains of %.3g mm, %.2g across a tread, about %.0f in a bed\n", 1e3 * study.grain,
                         study.grains_per_tread, study.grains) +
                    "next\n  gonogo campaign run " + out.string() + " --out " + folder + "\n  gonogo train --dataset " +

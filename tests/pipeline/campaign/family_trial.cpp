@@ -115,8 +115,8 @@ TEST_CASE("studies of families are refused in one sentence where vehicle, tyres 
   refuse("compliant_tyres: the design has deflection_ratio up to 0.08", kNumbers, kConfigs + "families/wheeled.json",
          std::string("false"));
   refuse("the vehicle hmmwv_quarter is no family", kNumbers, kConfigs + "vehicles/hmmwv_quarter.json");
-  refuse("axles: missing; the vehicle wheeled_family is a family", kNumbers, kConfigs + "families/wheeled.json", std::string("true"),
-         std::string(R"({"type": "climb"})"));
+  refuse("axles: missing; the vehicle wheeled_family is a family", kNumbers, kConfigs + "families/wheeled.json",
+         std::string("true"), std::string(R"({"type": "climb"})"));
   refused([] { vehicle_trial_setup(kConfigs + "families/wheeled.json", kConfigs + "soils/calibration_90mm.json"); },
           "is a family of vehicles");
 }

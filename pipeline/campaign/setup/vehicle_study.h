@@ -6,7 +6,7 @@
 #include "base/json/json.h"
 #include "vehicle/model/vehicle.h"
 
-namespace gonogo::inspect {
+namespace gonogo::campaign {
 
 /// Rules follow configs/studies/hmmwv_32mm.json, with lengths in wheel diameters and times in sqrt(D / g): speeds of
 /// 0.4 to 1 sqrt(g D), 16 units of driving, beds of 0.13 to 0.29 D. Payloads go to a quarter of the mass. Grains are
@@ -32,4 +32,4 @@ StudyCost cost_of(const VehicleStudy& study, std::size_t trials);
 /// "640 trials: 9 hours on 2 cores here"
 std::string cost_text(const VehicleStudy& study, std::size_t trials);
 
-}  // namespace gonogo::inspect
+}  // namespace gonogo::campaign

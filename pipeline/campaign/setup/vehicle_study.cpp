@@ -1,4 +1,4 @@
-#include "pipeline/inspect/vehicle_study.h"
+#include "pipeline/campaign/setup/vehicle_study.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "terrain/soil/calibration.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::inspect {
+namespace gonogo::campaign {
 namespace {
 
 constexpr const char* kTables[] = {"calibration_90mm_give", "calibration_32mm_give"};  // coarsest first
@@ -57,7 +57,7 @@ std::filesystem::path table_for(double tread) {
   std::filesystem::path table;
   for (const char* name : kTables) {
     table = shipped_file("soils", "calibration", name);
-    if (tread >= campaign::kGrainsPerTyre * terrain::read_calibration(table).grain_diameter) break;
+    if (tread >= kGrainsPerTyre * terrain::read_calibration(table).grain_diameter) break;
   }
   return table;
 }
@@ -91,8 +91,7 @@ VehicleStudy study_of_vehicle(const std::filesystem::path& vehicle_file, std::si
   const vehicle::Weights w = vehicle::weigh(v);
   j["design"] = design_section(v, diameter, w.total, std::sqrt(gravity * diameter), points,
                                terrain::reachable_angles(calibration));
-  const campaign::TrialSetup setup =
-      campaign::read_trial_setup(campaign::read_study(Config::parse(j.dump(), v.name + " study")));
+  const TrialSetup setup = read_trial_setup(read_study(Config::parse(j.dump(), v.name + " study")));
   const double volume = setup.tiles_along * setup.bed_length * setup.tiles_across * setup.bed_width * 0.21 * diameter;
   s.grains = kSolid * volume / (kPi / 6 * std::pow(s.grain, 3));
   const double seconds = setup.bed_settle_time + setup.park_time + setup.time_limit;
@@ -117,4 +116,4 @@ std::string cost_text(const VehicleStudy& study, std::size_t trials) {
   return std::to_string(trials) + " trials: about " + time + " on the " + cost.device + " here";
 }
 
-}  // namespace gonogo::inspect
+}  // namespace gonogo::campaign
