@@ -1,3 +1,5 @@
+#include "base/ranks/mpi.h"
+
 #include <mpi.h>
 
 #include <algorithm>
@@ -6,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "base/ranks/ranks.h"
+#include "base/error.h"
 
 namespace gonogo {
 namespace {
@@ -71,7 +73,5 @@ void end_mpi_job(int status) {
   MPI_Abort(MPI_COMM_WORLD, status);
   std::_Exit(status);
 }
-
-bool knows_mpi() { return true; }
 
 }  // namespace gonogo

@@ -1,4 +1,4 @@
-// Ranks that compute one thing together and exchange bytes: processes of an MPI job, or threads of one process.
+// Ranks that compute one thing together and exchange bytes: processes of an MPI job (mpi.h), or threads of one process.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -84,16 +84,5 @@ std::vector<T> joined(Ranks& ranks, std::vector<T> own) {
 /// Runs work(ranks) in `count` threads of this process. Throws what one of them threw first; the others then end in
 /// their next exchange.
 void run_in_threads(int count, const std::function<void(Ranks&)>& work);
-
-/// The ranks of the MPI job that this process belongs to, started by mpirun. The first call initialises MPI, the end of
-/// the process finalises it. Throws InputError in a build without MPI.
-std::unique_ptr<Ranks> mpi_ranks();
-
-/// Ends all processes of the MPI job, and this one, with this exit status. Call where a rank fails: the others would
-/// wait for it.
-[[noreturn]] void end_mpi_job(int status);
-
-/// Whether this program knows MPI.
-bool knows_mpi();
 
 }  // namespace gonogo

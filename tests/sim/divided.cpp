@@ -3,7 +3,7 @@
 
 #include "base/ranks/ranks.h"
 #include "sim/simulation/parts/part.h"
-#include "sim/simulation/parts/tile_cut.h"
+#include "sim/simulation/parts/part_lists.h"
 #include "tests/sim/divided_scenes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -128,4 +128,23 @@ TEST_CASE("tiles cut by parts add up as those of one piece") {
     }
     CHECK(sum_of_parts(cut, given, of_tile, add).residual_square == expected.residual_square);
   }
+}
+
+TEST_CASE("a team of threads answers as a world in one piece") {
+  const DividedScene scene = divided_scene("tank");
+  constexpr Index kFew = 30;
+  const std::string whole = in_one_piece(scene, kFew);
+  const auto team = make_team_simulation(Backend::cpu, scene.world, scene.settings, 3);
+  take_steps(*team, scene, 0, kFew);
+  CHECK(all_bytes(*team, scene) == whole);
+  // A refusal leaves it as it was.
+  CHECK(contains(input_error([&] { team->samples(0, 0, 0, 1000); }), "samples 0 to 1000 of a monitor"));
+  CHECK(all_bytes(*team, scene) == whole);
+}
+
+TEST_CASE("a team that cannot be made says why") {
+  DividedScene scene = divided_scene("tank");
+  scene.settings.iteration = Iteration::bb;
+  const auto make = [&] { make_team_simulation(Backend::cpu, scene.world, scene.settings, 2); };
+  CHECK(contains(input_error(make), "for the method bb"));
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/ranks/ranks.h"
+#include "base/ranks/mpi.h"
 #include "sim/io/checkpoint.h"
 #include "sim/simulation/parts/divided.h"
 #include "tests/sim/divided_scenes.h"

@@ -36,6 +36,7 @@ Json scene_counts(const std::string& scene, const lab::RunOn& on, std::int64_t s
   json["scene"] = scene;
   json["backend"] = name_in(kBackends, on.backend);
   json["threads"] = on.threads;
+  if (on.gpus > 1) json["gpus"] = on.gpus;
   json["spheres"] = spheres;
   json["bodies"] = bodies;
   json["contacts"] = contacts;
@@ -81,8 +82,9 @@ Json scene_json(const lab::ManyScene& scene, const lab::ManyRun& run, Index sphe
   json["run_s"] = r.run_seconds;
   if (run.repeats == 0) return json;
   json["ms_per_step"] = r.ms_per_step;
-  json["stages_ms"] = stages_json(r.stages, sim::Stage::bins, sim::Stage::integrate);
   json["ns_per_contact_iteration"] = r.ns_per_contact_iteration;
+  if (run.on.gpus > 1) return json;
+  json["stages_ms"] = stages_json(r.stages, sim::Stage::bins, sim::Stage::integrate);
   json["ns_per_contact_iteration_solver"] = r.ns_per_contact_iteration_solver;
   json["copy_bandwidth_B_per_s"] = r.copy_bandwidth;
   json["solver_share_of_copy_bandwidth"] = r.bandwidth_share;
@@ -97,6 +99,10 @@ std::string scene_text(const lab::ManyScene& scene, const lab::ManyRun& run, con
   for (const lab::SceneNumber& m : r.measured) text += line("  %-26s %10.4g\n", m.key.c_str(), m.value);
   if (!r.watched.empty()) text += watched_text(r.watched);
   if (run.repeats == 0) return text;
+  if (run.on.gpus > 1)
+    return text + line("%s on %d GPUs, %d iterations: %.3f ms per step, %.3f ns per contact-iteration (whole step)\n",
+                       name_of(scene.settings.method()), run.on.gpus, r.iterations, r.ms_per_step,
+                       r.ns_per_contact_iteration);
   return text +
          line(
              "%s, %d iterations: %.3f ms per step, %.3f ns per contact-iteration (whole step), %.3f ns (solver), %.2f "
@@ -134,7 +140,10 @@ CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, 
   add_named(*command, "--video", run->video, kFile, "MP4 of the run, made by ffmpeg; walls and floors are left out");
   add_named(*command, "--plot", run->plot, kFile, "PNG of the scene's quantities over time, where it has any");
   add_choice(*command, "--backend", run->on.backend, kBackends, "Device");
+  command->add_option("--gpus", run->on.gpus, "Number of GPUs over which the world is divided")
+      ->check(CLI::Range(1, 8));
   command->callback([&globals, run, count, make] {
+    if (run->on.gpus > 1) run->on.backend = sim::Backend::cuda;
     run->on.threads = bench_threads(globals);
     sim::require_backend(run->on.backend);
     const double start = lab::seconds();

@@ -35,9 +35,12 @@ struct SimulateOptions {
   std::string size = "1280x720", colour = "speed";
   bool gpu = false, compliant = false, folded = false, numerics_given = false;
   double wheel_rolling = 0;
+  int gpus = 1;
 };
 
-sim::Backend device_of(const SimulateOptions& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
+sim::Backend device_of(const SimulateOptions& options) {
+  return options.gpu || options.gpus > 1 ? sim::Backend::cuda : sim::Backend::cpu;
+}
 
 /// Values from --slope, --cross-slope and --set in the place of the others.
 std::vector<double> with_settings(std::vector<double> values, const SimulateOptions& options) {
@@ -87,7 +90,7 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
                                                            .slope_along = value("slope_along"),
                                                            .slope_across = value("slope_across"),
                                                            .commanded_speed = value("commanded_speed")});
-  if (options.gpu) sim::require_backend(sim::Backend::cuda);
+  sim::require_backend(device_of(options));
   campaign::prepare_trials(setup, {&point, 1}, threads_or_all(globals.threads));
   std::string csv;
   const double time = setup.park_time + setup.time_limit;
@@ -108,7 +111,7 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const campaign::TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
-  const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads)};
+  const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads), options.gpus};
   campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
   progress.finish();
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
@@ -254,6 +257,8 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
                     "Bed of two thirds of the track, periodic across, with a third of the grains");
   add_asked_numerics_options(*command, options->numerics, "With --vehicle");
   command->add_flag("--gpu", options->gpu, "Run on the GPU");
+  command->add_option("--gpus", options->gpus, "Number of GPUs over which the world is divided; the same bits")
+      ->check(CLI::Range(1, 8));
   add_named(*command, "--csv", options->csv, kFile, "CSV file for the run step by step");
   add_named(*command, "--checkpoint", options->checkpoint.path, kFile,
             "File to which the running trial is saved; where it exists, the trial continues from it");

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/simulation/parts/divided.h"
+
 namespace gonogo::campaign {
 namespace {
 
@@ -25,8 +27,9 @@ sim::WorldSize with_margin(sim::WorldSize size) {
 
 }  // namespace
 
-Places::Places(sim::Backend backend, const sim::StepSettings& settings, int threads, int count)
-    : backend_(backend), settings_(settings), threads_(threads) {
+Places::Places(sim::Backend backend, const sim::StepSettings& settings, int threads, int count, int gpus)
+    : backend_(backend), settings_(settings), threads_(threads), gpus_(gpus) {
+  GONOGO_ASSERT(gpus == 1 || count == 1);
   rebuild(std::size_t(count));
 }
 
@@ -71,7 +74,8 @@ void Places::rebuild(std::size_t count) {
   simulation_.reset();  // before the new one asks for memory
   sim::Scene scene;
   for (const auto& world : world_) scene.push_back(*world);
-  simulation_ = sim::make_simulation(backend_, scene, settings_, threads_, room_);
+  simulation_ = gpus_ > 1 ? sim::make_team_simulation(backend_, scene.at(0), settings_, gpus_)
+                          : sim::make_simulation(backend_, scene, settings_, threads_, room_);
   for (std::size_t p = 0; p < count; ++p)
     if (snapshot[p]) simulation_->restore(sim::WorldIndex(p), *snapshot[p]);
 }

@@ -17,8 +17,9 @@ struct ReadyWorld {
 
 class Places {
  public:
-  /// Starts with `count` places, all free, too small for any world: the first world that enters sets their size.
-  Places(sim::Backend backend, const sim::StepSettings& settings, int threads, int count);
+  /// Starts with `count` places, all free, too small for any world: the first world that enters sets their size. The
+  /// world of a single place may be divided over `gpus`.
+  Places(sim::Backend backend, const sim::StepSettings& settings, int threads, int count, int gpus = 1);
 
   /// A free place; there are more of them afterwards where none was left.
   sim::WorldIndex take();
@@ -42,7 +43,7 @@ class Places {
 
   sim::Backend backend_;
   sim::StepSettings settings_;
-  int threads_;
+  int threads_, gpus_;
   sim::WorldSize room_;
   std::vector<std::shared_ptr<const sim::SceneWorld>> world_;  // [place]; free places share an empty one
   std::vector<bool> taken_;                                    // [place]

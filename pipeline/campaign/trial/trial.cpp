@@ -82,7 +82,7 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
 
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
                       const TrialCheckpoint& checkpoint, const TrialDevice& device) {
-  TrialBatch batch(setup, {device.backend, 1, device.threads});
+  TrialBatch batch(setup, {device.backend, 1, device.threads, device.gpus});
   batch.start(point, watch, checkpoint);
   std::vector<TrialRecord> ended;
   while (ended.empty()) ended = batch.advance();
@@ -102,6 +102,8 @@ struct TrialBatch::AttemptPlaces {
 
 TrialBatch::TrialBatch(const TrialSetup& setup, const BatchSettings& settings) : setup_(setup), settings_(settings) {
   if (settings.places < 1) throw InputError("a batch needs at least one place");
+  if (settings.gpus > 1 && settings.places > 1)
+    throw InputError("several trials at a time run on one GPU each; divide one trial over GPUs, or none");
 }
 
 TrialBatch::~TrialBatch() = default;
@@ -117,7 +119,7 @@ TrialBatch::AttemptPlaces& TrialBatch::places_of(std::uint64_t attempt) {
     const sim::StepSettings settings = attempt_settings(setup_, attempt);
     const int count = attempt == 1 ? settings_.places : second_attempts();
     own = std::make_unique<AttemptPlaces>(
-        AttemptPlaces{Places(settings_.backend, settings, settings_.threads, count), look_every});
+        AttemptPlaces{Places(settings_.backend, settings, settings_.threads, count, settings_.gpus), look_every});
   }
   return *own;
 }

@@ -17,6 +17,7 @@
 #include "pipeline/report/figure/film.h"
 #include "sim/io/vtk_series.h"
 #include "sim/scene/penalty_setup.h"
+#include "sim/simulation/parts/divided.h"
 
 namespace gonogo::lab {
 namespace {
@@ -122,13 +123,13 @@ void time_steps(const ManyRun& run, sim::Simulation& simulation, Driven& driven,
   std::vector<double> samples;
   std::vector<sim::StageTimes> stages;
   for (int k = 0; k < run.repeats; ++k) samples.push_back(driven.sample(run.steps_per_sample));
-  for (int k = 0; k < run.repeats; ++k) stages.push_back(driven.timed_step());
-  const double time = median(samples);
-  r.stages = median_times(stages);
-  const double updates = double(simulation.report(0).contact_count) * r.iterations;
-  const double solve = r.stages.of(sim::Stage::solve);
+  const double time = median(samples), updates = double(simulation.report(0).contact_count) * r.iterations;
   r.ms_per_step = time * 1e3;
   r.ns_per_contact_iteration = time * 1e9 / updates;
+  if (run.on.gpus > 1) return;  // the stages of several GPUs are not timed
+  for (int k = 0; k < run.repeats; ++k) stages.push_back(driven.timed_step());
+  r.stages = median_times(stages);
+  const double solve = r.stages.of(sim::Stage::solve);
   r.ns_per_contact_iteration_solver = solve * 1e9 / updates;
   r.copy_bandwidth = sim::copy_bandwidth(run.on.backend, run.on.threads);
   r.bandwidth_share = sim::by_stage(simulation).solver_traffic() * r.iterations / solve / r.copy_bandwidth;
@@ -161,7 +162,9 @@ ManyResult run_many(const ManyScene& scene, const ManyRun& run) {
     throw InputError("--plot: the scene " + scene.name + " records nothing over time; leave the option out");
   if (!run.picture.empty() || !run.video.empty() || !run.plot.empty()) require_pictures(!run.video.empty());
   const double start = seconds();
-  const auto simulation = sim::make_simulation(run.on.backend, {scene.world}, scene.settings, run.on.threads);
+  const auto simulation = run.on.gpus > 1
+                              ? sim::make_team_simulation(run.on.backend, scene.world, scene.settings, run.on.gpus)
+                              : sim::make_simulation(run.on.backend, {scene.world}, scene.settings, run.on.threads);
   Driven driven(scene, *simulation);
   driven.advance(1);
   ManyResult r;

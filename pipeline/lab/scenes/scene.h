@@ -17,6 +17,7 @@ struct RunOn {
   int iterations = 50;          // of the solver in a step
   sim::Backend backend = sim::Backend::cpu;
   int threads = 1;
+  int gpus = 1;  // over which the world is divided
 };
 
 /// A number that a scene measures.

@@ -16,4 +16,9 @@ std::unique_ptr<Simulation> make_divided_simulation(Backend backend, const Scene
                                                     const StepSettings& settings, int threads, Ranks& ranks);
 std::unique_ptr<Simulation> make_divided_cuda_simulation(FlatWorld world, const StepSettings& settings, Ranks& ranks);
 
+/// The same in one process, for one user: a thread for each part, on the CUDA backend with GPUs 0 to `parts` - 1.
+/// Throws as make_divided_simulation() does, and InputError for more parts than GPUs.
+std::unique_ptr<Simulation> make_team_simulation(Backend backend, const SceneWorld& world, const StepSettings& settings,
+                                                 int parts);
+
 }  // namespace gonogo::sim
