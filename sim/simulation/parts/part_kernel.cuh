@@ -28,6 +28,8 @@ struct PartMail {
   UpdateSums* partial[2] = {nullptr, nullptr};                    // [partial tile * kTileSize] of each contact
   WorldSums *tile_measure = nullptr, *partial_measure = nullptr;  // the same of the step's residuals
   WorldSums* body_measure = nullptr;                              // [body tile of the world]
+  Index* weight = nullptr;                                        // of halo bodies, in the order of `received`
+  std::uint8_t* wanted = nullptr;         // in the order of `sent`: a contact of the other part needs the body
   unsigned long long* arrived = nullptr;  // [rank] barriers at which it has been; own: of earlier steps
 };
 
@@ -42,9 +44,12 @@ enum class MovedBy : std::uint8_t { own, owner, all };  // this part alone; the 
 struct PartViews {
   PartMail mail[kMaxGpus];  // [rank], its own included
   Index rank, count;
-  View<const MovedBy> moved_by;                           // [body]
-  View<const BodyIndex> sent, received;                   // in the order of the ranks
-  Index sent_begin[kMaxGpus + 1], inbox_begin[kMaxGpus];  // [rank] into `sent`; into the halo of that rank
+  View<const MovedBy> moved_by;                                // [body]
+  View<const BodyIndex> sent, received;                        // in the order of the ranks
+  Index sent_begin[kMaxGpus + 1], inbox_begin[kMaxGpus];       // [rank] into `sent`; into the halo of that rank
+  Index received_begin[kMaxGpus + 1], outbox_begin[kMaxGpus];  // [rank] into `received`; into `sent` of that rank
+  View<Index> weight;                                          // [body] sum over its contacts
+  View<std::uint8_t> used;                                     // [body] a contact here has it
   View<const BodyIndex> shared;
   View<const HalfRange> shared_wrenches;  // [shared]
   View<const PartRecord> record;
@@ -110,8 +115,24 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
   GONOGO_DEVICE PartKernel(const SolveViews& views, const PartViews& part, const Team& team, MechanismWork& work)
       : Base(views, team, work), part_(part) {}
 
+  GONOGO_DEVICE void push_weights() {
+    for (Index r = 0; r < part_.count; ++r)
+      for (Index n = part_.sent_begin[r] + first_index(); n < part_.sent_begin[r + 1]; n += stride())
+        part_.mail[r].weight[inbox_place(r, n)] = part_.weight[part_.sent[n]];
+  }
+
+  GONOGO_DEVICE void receive_weights() {
+    for (Index n = first_index(); n < part_.received.size; n += stride())
+      part_.weight[part_.received[n]] = part_.own_mail().weight[n];
+  }
+
   GONOGO_DEVICE void prepare() {
-    for (Index i = first_index(); i < *s.contact_total; i += stride()) this->begin_contact(i);
+    for (Index i = first_index(); i < *s.contact_total; i += stride()) {
+      this->begin_contact(i);
+      const PairRecord bodies = contact_.pair(i);
+      for (const BodyIndex b : {bodies.a, bodies.b})
+        if (b < part_.own_begin || b >= part_.own_end) part_.used[b] = 1;
+    }
     for (Index b = first_index(); b < s.mass.size; b += stride()) {
       if (part_.moved_by[b] == MovedBy::own) this->prepare_body(b);
       if (part_.moved_by[b] == MovedBy::owner) s.of_body[b] = HalfRange{0, 0};
@@ -142,7 +163,7 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
       this->add_contact(s.half[part_.record[n].half], (k + 1) & 1, w.linear, w.angular);
       for (Index r = 0; r < part_.count; ++r) part_.mail[r].wrench[(k + 1) & 1][part_.record[n].to] = w;
     }
-    if (k < 0) return;
+    if (k < 0) return push_wants();
     for (Index t = first_index(); t < part_.whole; t += stride())
       for (Index r = 0; r < part_.count; ++r)
         part_.mail[r].tile[k & 1][part_.first_tile + t] = s.tile_sums[part_.tiles.first_whole() + t];
@@ -150,20 +171,18 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
 
   /// Velocities of border bodies before they are carried into the next substep. Call when all blocks have moved bodies.
   GONOGO_DEVICE void push_velocities(Index k) {
-    const bool ends = is_ending(k);
-    for (Index r = 0; r < part_.count; ++r)
-      for (Index n = part_.sent_begin[r] + first_index(); n < part_.sent_begin[r + 1]; n += stride()) {
-        const BodyIndex b = part_.sent[n];
-        part_.mail[r].halo[(k + 1) & 1][part_.inbox_begin[r] + n - part_.sent_begin[r]] =
-            ends ? s.substep_velocity[b] : s.velocity[b];
-      }
+    const bool ends = is_ending(k), all = k < 0 || ends;
+    push_halo((k + 1) & 1, all, ends ? s.substep_velocity : s.velocity);
   }
 
-  /// Moves copies of bodies. Call when all GPUs have pushed.
+  /// Moves copies of bodies. Call when all GPUs have pushed. Bodies that no contact needs are moved where a substep
+  /// begins or ends.
   GONOGO_DEVICE void receive(Index k) {
     const Momentum m = s.momentum[k < 0 ? 0 : k & 1][0];
+    const bool all = k < 0 || is_ending(k);
     for (Index n = first_index(); n < part_.received.size; n += stride())
-      set_copy(part_.received[n], part_.own_mail().halo[(k + 1) & 1][n], m, k);
+      if (const BodyIndex b = part_.received[n]; all || part_.used[b] != 0)
+        set_copy(b, part_.own_mail().halo[(k + 1) & 1][n], m, k);
     for (Index h = first_index() / 32; h < part_.shared.size; h += stride() / 32)
       if (s.mass[part_.shared[h]].slot < 0) move_shared(part_.shared[h], m, k);
     move_mechanisms(k);
@@ -182,9 +201,11 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
       team_.sync();
     }
     UpdateSums sums;
-    for (Index t = team_.rank; t < part_.world_tiles; t += kTileSize) {
-      sums.uphill += tile[t].uphill;
-      if (m.test) sums.residual_square += tile[t].residual_square;
+#pragma unroll 8  // loads in flight: all other teams wait for this one
+    for (Index t = team_.rank; t < part_.world_tiles; t += kTileSize) sums.uphill += tile[t].uphill;
+    if (m.test) {
+#pragma unroll 8
+      for (Index t = team_.rank; t < part_.world_tiles; t += kTileSize) sums.residual_square += tile[t].residual_square;
     }
     sums.uphill = team_.sum(sums.uphill);
     if (m.test) sums.residual_square = team_.sum(sums.residual_square);
@@ -205,6 +226,13 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
     for (Index t = team_.index; t * kTileSize < part_.own_end - part_.own_begin; t += team_.count) measure_bodies(t);
   }
 
+  /// Velocities at the step's end, after `k` updates.
+  GONOGO_DEVICE void push_last_velocities(Index k) { push_halo((k + 1) & 1, true, s.velocity); }
+  GONOGO_DEVICE void receive_last_velocities(Index k) {
+    for (Index n = first_index(); n < part_.received.size; n += stride())
+      s.velocity[part_.received[n]] = part_.own_mail().halo[(k + 1) & 1][n];
+  }
+
   GONOGO_DEVICE void push_measures() {
     for (Index t = first_index(); t < part_.whole; t += stride())
       for (Index r = 0; r < part_.count; ++r)
@@ -222,7 +250,9 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
       team_.sync();
     }
     WorldSums sum;
+#pragma unroll 4
     for (Index t = team_.rank; t < part_.world_tiles; t += kTileSize) sum += mail.tile_measure[t];
+#pragma unroll 4
     for (Index t = team_.rank; t < part_.world_body_tiles; t += kTileSize) sum += mail.body_measure[t];
     sum = team_.sum(sum);
     sum.contact_count = part_.world_contacts;
@@ -231,6 +261,23 @@ class PartKernel : public SolveKernel<turning, false, in_substeps, Iteration::ap
   }
 
  private:
+  /// Place in the halo of rank `r` of the n-th sent body.
+  GONOGO_DEVICE Index inbox_place(Index r, Index n) const { return part_.inbox_begin[r] + n - part_.sent_begin[r]; }
+
+  GONOGO_DEVICE void push_halo(Index parity, bool all, View<const Velocity> velocity) {
+    for (Index r = 0; r < part_.count; ++r)
+      for (Index n = part_.sent_begin[r] + first_index(); n < part_.sent_begin[r + 1]; n += stride())
+        if (all || part_.own_mail().wanted[n] != 0)
+          part_.mail[r].halo[parity][inbox_place(r, n)] = velocity[part_.sent[n]];
+  }
+
+  /// Tells the owners of halo bodies which of them contacts need.
+  GONOGO_DEVICE void push_wants() {
+    for (Index r = 0; r < part_.count; ++r)
+      for (Index n = part_.received_begin[r] + first_index(); n < part_.received_begin[r + 1]; n += stride())
+        part_.mail[r].wanted[part_.outbox_begin[r] + n - part_.received_begin[r]] = part_.used[part_.received[n]];
+  }
+
   GONOGO_DEVICE bool is_ending(Index k) const { return in_substeps && k >= 0 && s.momentum[k & 1][0].ends; }
 
   /// As update_tile(), with the sums of each contact for all GPUs.
@@ -339,6 +386,10 @@ __global__ void __launch_bounds__(kBlockSize)
     all.wait(grid);
     kernel.receive(k);
   };
+  kernel.push_weights();
+  all.wait(grid);
+  kernel.receive_weights();
+  grid.wait();
   kernel.prepare();
   grid.wait();
   move(-1);
@@ -355,8 +406,10 @@ __global__ void __launch_bounds__(kBlockSize)
   kernel.measure(k);
   grid.wait();
   kernel.push_measures();
+  kernel.push_last_velocities(k);
   all.wait(grid);
   kernel.add_measures(k);
+  kernel.receive_last_velocities(k);
   all.remember();
 }
 

@@ -28,6 +28,9 @@ class PartSolver<Cuda> {
     moved_world_.upload(moved_world);
     lay_out_borders();
     for (Buffer<Velocity, Cuda>& halo : halo_) halo.resize(std::size_t(received_.size()));
+    weight_.resize(std::size_t(received_.size()));
+    wanted_.resize(std::size_t(sent_.size()));
+    used_.resize(part.body.size());
     for (auto& partial : partial_) partial.resize(kMaxGpus * kTileSize);
     partial_measure_.resize(kMaxGpus * kTileSize);
     body_measure_.resize(std::size_t(views_.world_body_tiles));
@@ -37,16 +40,18 @@ class PartSolver<Cuda> {
   /// The contract of solve.h, for the bodies and contacts of the part. Every part calls it at once, and returns when
   /// its GPU has finished.
   void solve(Cuda exec, State<Cuda>& s, const PartContacts& contacts, const StepSettings& settings) {
+    const bool in_substeps = settings.substeps > 1;
+    const auto kernel = s.turning ? (in_substeps ? solve_part_kernel<true, true> : solve_part_kernel<true, false>)
+                                  : (in_substeps ? solve_part_kernel<false, true> : solve_part_kernel<false, false>);
+    cudaFuncAttributes loaded;  // loading it may wait for kernels, which wait for this one
+    check_cuda(cudaFuncGetAttributes(&loaded, kernel), "solver");
     reserve_solver(s, own_, settings);
     clear(exec, own_.counter.view());
+    clear(exec, used_.view());
     place_contacts(contacts);
     list_records(contacts);
     share_mail();
-    const bool in_substeps = settings.substeps > 1;
-    if (s.turning)
-      in_substeps ? launch<true, true>(exec, s, settings) : launch<true, false>(exec, s, settings);
-    else
-      in_substeps ? launch<false, true>(exec, s, settings) : launch<false, false>(exec, s, settings);
+    launch(exec, s, settings, kernel);
     check_cuda(cudaStreamSynchronize(stream_of(exec)), "solver");
   }
 
@@ -83,13 +88,19 @@ class PartSolver<Cuda> {
     std::vector<Index> inbox;  // [rank] where its bodies begin in the halo of this one
     for (std::size_t r = 0; r < part_.sent.size(); ++r) {
       views_.sent_begin[r] = Index(sent.size());
+      views_.received_begin[r] = Index(received.size());
       inbox.push_back(Index(received.size()));
       sent.insert(sent.end(), part_.sent[r].begin(), part_.sent[r].end());
       received.insert(received.end(), part_.received[r].begin(), part_.received[r].end());
     }
     views_.sent_begin[part_.sent.size()] = Index(sent.size());
+    views_.received_begin[part_.sent.size()] = Index(received.size());
     const auto inboxes = gathered(ranks_, inbox);
-    for (std::size_t r = 0; r < inboxes.size(); ++r) views_.inbox_begin[r] = inboxes[r][me()];
+    const auto outboxes = gathered(ranks_, std::vector<Index>(views_.sent_begin, views_.sent_begin + inbox.size()));
+    for (std::size_t r = 0; r < inboxes.size(); ++r) {
+      views_.inbox_begin[r] = inboxes[r][me()];
+      views_.outbox_begin[r] = outboxes[r][me()];
+    }
     sent_.upload(sent);
     received_.upload(received);
     shared_.upload(part_.moving_shared);
@@ -165,6 +176,8 @@ class PartSolver<Cuda> {
     own.tile_measure = tile_measure_.data();
     own.partial_measure = partial_measure_.data();
     own.body_measure = body_measure_.data();
+    own.weight = weight_.data();
+    own.wanted = wanted_.data();
     own.arrived = arrived_.data();
     std::vector<std::vector<PartMail>> all(std::size_t(ranks_.count()), std::vector<PartMail>(1));
     share(ranks_, {own}, all);
@@ -175,19 +188,20 @@ class PartSolver<Cuda> {
     views_.shared = shared_.view();
     views_.shared_wrenches = range_.view();
     views_.record = record_.view();
+    views_.used = used_.view();
   }
 
-  template <bool turning, bool in_substeps>
-  void launch(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
+  void launch(Cuda exec, State<Cuda>& s, const StepSettings& settings, void (*kernel)(SolveViews, PartViews)) {
     SolveViews views = solve_views(exec, s, own_, settings);
     views.world_of_body = moved_world_.view();  // of bodies that this part alone moves
     views.mechanism_teams = 0;
+    views_.weight = s.contact_weight.view();
     const Index share = device_attribute(cudaDevAttrMultiProcessorCount) / sharing_device_;
     const Index blocks = std::max<Index>(1, std::min(grid_size(s), share));
     void* arguments[] = {&views, &views_};
-    check_cuda(cudaLaunchCooperativeKernel(solve_part_kernel<turning, in_substeps>, dim3(unsigned(blocks)),
-                                           dim3(kBlockSize), arguments, 0, stream_of(exec)),
-               "solver launch");
+    check_cuda(
+        cudaLaunchCooperativeKernel(kernel, dim3(unsigned(blocks)), dim3(kBlockSize), arguments, 0, stream_of(exec)),
+        "solver launch");
   }
 
   Ranks& ranks_;
@@ -198,6 +212,8 @@ class PartSolver<Cuda> {
   Buffer<MovedBy, Cuda> moved_by_;
   Buffer<WorldIndex, Cuda> moved_world_;
   Buffer<BodyIndex, Cuda> sent_, received_, shared_;
+  Buffer<Index, Cuda> weight_;
+  Buffer<std::uint8_t, Cuda> wanted_, used_;
   Buffer<PartRecord, Cuda> record_;
   Buffer<HalfRange, Cuda> range_;
   Buffer<Velocity, Cuda> halo_[2];

@@ -78,6 +78,7 @@ class PartSolver<Cpu> {
     contacts_ = &contacts;
     const IterationRules rules = settings.rules();
     const Index tile_count = tiles(s).count();
+    fetch_weights(s.contact_weight.view());
     for_each_counted(exec, contact_count(s), mass_splitting(s, settings));
     fill_blocks(exec, s, own_, tile_count);
     s.momentum.write(0, first_momentum(rules));
@@ -100,6 +101,22 @@ class PartSolver<Cpu> {
   std::size_t parts() const { return std::size_t(ranks_.count()); }
   std::size_t me() const { return std::size_t(ranks_.rank()); }
   const TileCut& own_cut() const { return contacts_->cut[me()]; }
+
+  /// Those of halo bodies, whose contacts are not all here.
+  void fetch_weights(View<Index> weight) {
+    std::vector<std::vector<Index>> to(parts()), from(parts());
+    std::vector<Letter> sent, received;
+    for (std::size_t p = 0; p < parts(); ++p) {
+      if (p == me()) continue;
+      for (const BodyIndex b : part_.sent[p]) to[p].push_back(weight[b]);
+      from[p].resize(part_.received[p].size());
+      sent.push_back(letter(int(p), to[p]));
+      received.push_back(letter(int(p), from[p]));
+    }
+    ranks_.exchange(sent, received);
+    for (std::size_t p = 0; p < parts(); ++p)
+      for (std::size_t k = 0; k < from[p].size(); ++k) weight[part_.received[p][k]] = from[p][k];
+  }
 
   template <bool turning>
   void update(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {

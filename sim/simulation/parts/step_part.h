@@ -28,10 +28,6 @@ class PartStepper {
     start_.resize(watched.size());
     shared_.upload(part.moving_shared);
     found_.resize(part.moving_shared.size() + 1);
-    for (const auto& of_rank : part.sent) sent_count_.push_back(of_rank.size());
-    for (const auto& of_rank : part.received) received_count_.push_back(of_rank.size());
-    sent_.upload(joined_lists(part.sent));
-    received_.upload(joined_lists(part.received));
     moved_.resize(1);
     events_.resize(1);
     uncounted_.resize(2);
@@ -62,12 +58,6 @@ class PartStepper {
   const PartContacts& contacts() const { return contacts_; }
 
  private:
-  static std::vector<BodyIndex> joined_lists(const std::vector<std::vector<BodyIndex>>& lists) {
-    std::vector<BodyIndex> all;
-    for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
-    return all;
-  }
-
   /// Again where a GPU's buffers were too small: there the host enlarges them.
   void find_all_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
     for (;;) {
@@ -107,9 +97,10 @@ class PartStepper {
     s.first_tile.write(0, std::vector<Index>{0, tiles.count()});
   }
 
-  /// Sums over the contacts of a body count those of all parts.
+  /// Weights of shared bodies count the contacts of all parts. The solver fetches those of halo bodies.
   void share_weights(Exec exec, State<Exec>& s) {
     const auto count = std::size_t(shared_.size());
+    if (count == 0) return;
     weight_.fill_zero(count);
     for_each_index(exec, shared_.size() * kWeightLanes,
                    WeighShared{found_.view(), s.contact.view(), s.store[s.parity].impulse.view(),
@@ -121,26 +112,6 @@ class PartStepper {
       for (std::size_t k = 0; k < count; ++k) sum[k] += part[k];
     weight_.upload(sum);
     for_each_index(exec, shared_.size(), PutItem<Index>{shared_.view(), weight_.view(), s.contact_weight.view()});
-    halo_weight_.resize(std::size_t(sent_.size()));
-    for_each_index(exec, sent_.size(), PickItem<Index>{sent_.view(), s.contact_weight.view(), halo_weight_.view()});
-    halo_weight_.upload(from_owners(halo_weight_.download()));
-    for_each_index(exec, received_.size(),
-                   PutItem<Index>{received_.view(), halo_weight_.view(), s.contact_weight.view()});
-  }
-
-  /// Sends a number of each body in `sent_`, and returns those of `received_`.
-  std::vector<Index> from_owners(std::vector<Index> own) {
-    std::vector<Index> received(std::size_t(received_.size()));
-    std::vector<Letter> out, in;
-    Index *from = own.data(), *to = received.data();
-    for (std::size_t r = 0; r < sent_count_.size(); ++r) {
-      if (sent_count_[r] > 0) out.push_back({int(r), from, sent_count_[r] * sizeof(Index)});
-      if (received_count_[r] > 0) in.push_back({int(r), to, received_count_[r] * sizeof(Index)});
-      from += sent_count_[r];
-      to += received_count_[r];
-    }
-    ranks_.exchange(out, in);
-    return received;
   }
 
   /// What happens to a halo or shared body is counted by the part that owns it.
@@ -196,13 +167,12 @@ class PartStepper {
   Ranks& ranks_;
   const Part& part_;
   PartSolver<Exec> solver_;
-  double margin_;                                         // [m]
-  Buffer<ShapeIndex, Exec> watched_;                      // binned shapes of own bodies
-  Buffer<Vec3d, Exec> start_;                             // [watched] where they were when the halo was found
-  Buffer<BodyIndex, Exec> shared_, sent_, received_;      // moving shared ones; of all ranks in turn
-  std::vector<std::size_t> sent_count_, received_count_;  // [rank]
-  Buffer<SharedContacts, Exec> found_;                    // see FindOwnContacts
-  Buffer<Index, Exec> weight_, halo_weight_;
+  double margin_;                       // [m]
+  Buffer<ShapeIndex, Exec> watched_;    // binned shapes of own bodies
+  Buffer<Vec3d, Exec> start_;           // [watched] where they were when the halo was found
+  Buffer<BodyIndex, Exec> shared_;      // moving ones
+  Buffer<SharedContacts, Exec> found_;  // see FindOwnContacts
+  Buffer<Index, Exec> weight_;
   Buffer<Index, Exec> moved_, uncounted_;  // of copies: events that their owners count
   Buffer<PackedFault, Exec> unknown_;
   Buffer<StepEvents, Exec> events_;

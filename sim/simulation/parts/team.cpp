@@ -41,8 +41,8 @@ class Team {
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
 
-  /// Calls work(simulation, whether it is the first rank's) in all threads. Throws InputError where all refuse alike; any
-  /// other exception ends the team.
+  /// Calls work(simulation, whether it is the first rank's) in all threads. Throws InputError where all refuse alike;
+  /// any other exception ends the team.
   void do_all(const Work& work) {
     {
       const std::lock_guard lock(mutex_);
@@ -143,7 +143,8 @@ class TeamSimulation final : public Simulation {
   }
 
  public:
-  TeamSimulation(int count, const StepSettings& settings, const std::function<std::unique_ptr<Simulation>(Ranks&)>& make)
+  TeamSimulation(int count, const StepSettings& settings,
+                 const std::function<std::unique_ptr<Simulation>(Ranks&)>& make)
       : settings_(settings), team_(count, make) {}
 
   void advance(Index count) override {
