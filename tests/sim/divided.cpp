@@ -5,6 +5,7 @@
 #include "sim/simulation/parts/part.h"
 #include "sim/simulation/parts/part_lists.h"
 #include "tests/sim/divided_scenes.h"
+#include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/message.h"
@@ -17,18 +18,19 @@ namespace {
 
 constexpr Index kSteps = 200;
 
-std::string in_one_piece(const DividedScene& scene, Index steps) {
-  const auto simulation = make_simulation(Backend::cpu, {scene.world}, scene.settings, 1);
+std::string in_one_piece(const DividedScene& scene, Index steps, Backend backend = Backend::cpu) {
+  const auto simulation = make_simulation(backend, {scene.world}, scene.settings, 1);
   take_steps(*simulation, scene, 0, steps);
   CHECK(simulation->report(0).flags == 0);
   return all_bytes(*simulation, scene);
 }
 
-/// What each rank says.
-std::vector<std::string> divided(const DividedScene& scene, Index steps, int count) {
+/// What each rank says. Ranks beyond the number of GPUs share them.
+std::vector<std::string> divided(const DividedScene& scene, Index steps, int count, Backend backend = Backend::cpu) {
   std::vector<std::string> bytes(static_cast<std::size_t>(count));
   run_in_threads(count, [&](Ranks& ranks) {
-    const auto simulation = make_divided_simulation(Backend::cpu, scene.world, scene.settings, 1, ranks);
+    if (backend == Backend::cuda) use_cuda_device(ranks.rank() % int(cuda_device_names().size()));
+    const auto simulation = make_divided_simulation(backend, scene.world, scene.settings, 1, ranks);
     take_steps(*simulation, scene, 0, steps);
     bytes[std::size_t(ranks.rank())] = all_bytes(*simulation, scene);
   });
@@ -40,12 +42,14 @@ std::vector<std::string> divided(const DividedScene& scene, Index steps, int cou
 TEST_CASE("a world divided over one to four ranks has the bits of one in one piece") {
   for (const char* name : {"tank", "wheel", "wheel-substeps", "mixing"}) {
     const DividedScene scene = divided_scene(name);
-    const std::string whole = in_one_piece(scene, kSteps);
-    for (const int count : {1, 2, 3, 4})
-      for (const std::string& part : divided(scene, kSteps, count)) {
-        INFO(name << " over " << count);
-        CHECK(part == whole);
-      }
+    for (const Backend backend : backends()) {
+      const std::string whole = in_one_piece(scene, kSteps, backend);
+      for (const int count : {1, 2, 3, 4})
+        for (const std::string& part : divided(scene, kSteps, count, backend)) {
+          INFO(name << " over " << count << " on " << name_of(backend));
+          CHECK(part == whole);
+        }
+    }
   }
 }
 

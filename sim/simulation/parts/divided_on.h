@@ -237,6 +237,7 @@ class DividedSimulation final : public Simulation {
     reserve_contacts(s, s.contact_capacity);
     local_->restore(0, local);
     s.turning = turning_ = turning_ || s.turning;  // of a world in one piece it stays
+    stepper_->reserve(s, settings_);
     steps_ = at.steps;
     outdated_ = false;
   }

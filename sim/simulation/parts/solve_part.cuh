@@ -37,6 +37,8 @@ class PartSolver<Cuda> {
     arrived_.fill_zero(kMaxGpus);
   }
 
+  void reserve(State<Cuda>& s, const StepSettings& settings) { reserve_solver(s, own_, settings); }
+
   /// The contract of solve.h, for the bodies and contacts of the part. Every part calls it at once, and returns when
   /// its GPU has finished.
   void solve(Cuda exec, State<Cuda>& s, const PartContacts& contacts, const StepSettings& settings) {
@@ -45,7 +47,7 @@ class PartSolver<Cuda> {
                                   : (in_substeps ? solve_part_kernel<false, true> : solve_part_kernel<false, false>);
     cudaFuncAttributes loaded;  // loading it may wait for kernels, which wait for this one
     check_cuda(cudaFuncGetAttributes(&loaded, kernel), "solver");
-    reserve_solver(s, own_, settings);
+    reserve(s, settings);
     clear(exec, own_.counter.view());
     clear(exec, used_.view());
     place_contacts(contacts);

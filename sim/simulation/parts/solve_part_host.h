@@ -73,6 +73,8 @@ class PartSolver<Cpu> {
  public:
   PartSolver(Ranks& ranks, const Part& part, const FlatWorld&) : ranks_(ranks), part_(part) {}
 
+  void reserve(State<Cpu>&, const StepSettings&) {}
+
   /// The contract of solve.h, for the bodies and contacts of the part; every part calls it at once.
   void solve(Cpu exec, State<Cpu>& s, const PartContacts& contacts, const StepSettings& settings) {
     contacts_ = &contacts;

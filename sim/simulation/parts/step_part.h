@@ -35,6 +35,9 @@ class PartStepper {
     contacts_.me = std::size_t(ranks.rank());
   }
 
+  /// Makes room for the first step, so that too little memory is known before it.
+  void reserve(State<Exec>& s, const StepSettings& settings) { solver_.reserve(s, settings); }
+
   /// One step, apart from the change of parity.
   void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
     sort_into_bins(exec, s);
