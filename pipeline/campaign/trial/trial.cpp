@@ -85,7 +85,13 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const T
   TrialBatch batch(setup, {device.backend, 1, device.threads, device.gpus});
   batch.start(point, watch, checkpoint);
   std::vector<TrialRecord> ended;
-  while (ended.empty()) ended = batch.advance();
+  try {
+    while (ended.empty()) ended = batch.advance();
+  } catch (const DeviceError& error) {
+    if (checkpoint.path.empty() || !std::filesystem::exists(checkpoint.path)) throw;
+    throw DeviceError(std::string(error.what()) + "; the same command, on fewer GPUs perhaps, goes on from " +
+                      checkpoint.path.string());
+  }
   if (!checkpoint.path.empty()) std::filesystem::remove(checkpoint.path);
   return ended.front();
 }
