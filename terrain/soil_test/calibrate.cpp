@@ -237,7 +237,8 @@ void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run) {
     CalibrationTest& test = *open[i];
     try {
       run_test(test, run, beds, pace);
-    } catch (const DeviceError&) {
+    } catch (const DeviceError& e) {
+      log_line("soil calibrate", test.name + ": " + e.what());
       test.result.clear();  // counted in the table's provenance
     }
     journal.add(test.name, test.result);
@@ -528,7 +529,7 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
 }  // namespace
 
 std::string journal_maker(const CalibrationRun& run) {
-  return line("calibrate/8 %s of %g m, %s%s", name_of(run.shape).c_str(), run.grain_diameter,
+  return line("calibrate/9 %s of %g m, %s%s", name_of(run.shape).c_str(), run.grain_diameter,
               description(run.numerics).c_str(), run.device == sim::Backend::cpu ? "" : ", on cuda");
 }
 

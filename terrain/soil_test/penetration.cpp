@@ -14,7 +14,8 @@ namespace gonogo::terrain {
 namespace {
 
 constexpr Index kRestSteps = 100;        // in which the bed takes up its contact laws and a plate comes to lie on it
-constexpr double kGrowth = 1.25;         // of the load from one sample to the next
+constexpr double kGrowth = 1.25;         // of the load from one of its steps to the next
+constexpr Index kSamplesPerStep = 8;     // so that a plate that breaks in leaves a curve
 constexpr double kWeightOfDatum = 0.25;  // pressure of the plate's own weight over that of the datum
 constexpr double kSpeed = 0.05;          // of the plate, about, for the solver's tolerance [sqrt(g d)]
 
@@ -132,23 +133,27 @@ PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSett
                        TestScene* scene) {
   const double d = soil.grain_diameter, width = settings.width_grains * d, area = width * bed.spec.width;
   const double h = gravity_time(d) / settings.steps_per_time, speed = kSpeed * std::sqrt(kGravity * d);
-  const auto stride = std::max<Index>(1, Index(settings.growth_time * settings.steps_per_time));
+  const auto between = std::max<Index>(1, Index(settings.growth_time * settings.steps_per_time) / kSamplesPerStep);
   const std::vector<double> pressure = pressures(settings);
   sim::SceneWorld world = bed_world(bed, soil.laws(), 3 * d);
   const sim::BodyIndex plate = add_pressed_plate(world, bed, width, pressure.front() * area / kGravity);
-  add_growing_load(world, plate, pressure, area, double(kRestSteps) * h, double(stride) * h);
+  add_growing_load(world, plate, pressure, area, double(kRestSteps) * h, double(kSamplesPerStep * between) * h);
   TestRun run("plate test", std::move(world), test_settings(d, h, speed, pace), pace);
   run.advance(kRestSteps);
   const double start = run.body(plate).position.z;
   PlateResult r;
   r.width = width;
   r.solid_fraction = bed.solid_fraction;
-  for (std::size_t k = 0; k < pressure.size(); ++k) {
-    const double sunk = start - run.body(plate).position.z;
-    r.curve.push_back({sunk, pressure[k]});
-    if (sunk > settings.sinkage * width || k + 1 == pressure.size()) break;
-    run.advance(stride);
-  }
+  const auto sample = [&](double p) {
+    r.curve.push_back({start - run.body(plate).position.z, p});
+    return r.curve.back().sinkage <= settings.sinkage * width;
+  };
+  bool goes_on = sample(pressure.front());
+  for (std::size_t k = 0; goes_on && k + 1 < pressure.size(); ++k)
+    for (Index part = 1; goes_on && part <= kSamplesPerStep; ++part) {
+      run.advance(between);
+      goes_on = sample(std::lerp(pressure[k], pressure[k + 1], double(part) / double(kSamplesPerStep)));
+    }
   set_datum(r, settings.datum);
   r.worst_residual = run.worst_residual();
   if (scene) *scene = {run.world(), run.capture()};

@@ -1,5 +1,6 @@
 // Virtual tests that push a tool into a bed: plate sinkage and cone penetrometer.
 #pragma once
+#include "terrain/soil/calibration.h"
 #include "terrain/soil_test/test_run.h"
 
 namespace gonogo::terrain {
@@ -11,13 +12,13 @@ namespace gonogo::terrain {
 /// and the pressure jumps between zero and several times its mean. The load grows exponentially, so that samples are
 /// evenly spaced in ln p on every soil.
 struct PlateSettings {
-  double width_grains = 6;     // of the plate, in grain diameters
-  double sinkage = 0.5;        // at the end of the test, in plate widths
-  double growth_time = 6;      // time in which the load grows by a quarter, in sqrt(d / g)
-  double max_pressure = 3e6;   // the test ends here if the sinkage is not reached [Pa]
-  double bed_depth = 3;        // in plate widths; at least 8 grains
-  double datum = 1e3;          // pressure at zero sinkage [Pa]
-  double steps_per_time = 50;  // in sqrt(d / g)
+  double width_grains = 6;                  // of the plate, in grain diameters
+  double sinkage = 0.5;                     // at the end of the test, in plate widths
+  double growth_time = 6;                   // time in which the load grows by a quarter, in sqrt(d / g)
+  double max_pressure = kMaxPlatePressure;  // the test ends here if the sinkage is not reached [Pa]
+  double bed_depth = 3;                     // in plate widths; at least 8 grains
+  double datum = 1e3;                       // pressure at zero sinkage [Pa]
+  double steps_per_time = 50;               // in sqrt(d / g)
 };
 
 struct PlateSample {

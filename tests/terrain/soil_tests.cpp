@@ -187,7 +187,7 @@ TEST_CASE("a plate sinks as its load grows and never comes up again, less far in
     const PlateResult r = plate_test(coarse_soil(0.5, 0.1, double(k)), settings, rough_pace());
     for (std::size_t i = 1; i < r.curve.size(); ++i) {
       CHECK(r.curve[i].sinkage > r.curve[i - 1].sinkage - 0.01 * 0.09);
-      CHECK(r.curve[i].pressure == Approx(1.25 * r.curve[i - 1].pressure));
+      if (i % 8 == 0) CHECK(r.curve[i].pressure == Approx(1.25 * r.curve[i - 8].pressure));
     }
     CHECK(r.curve.back().sinkage > 0.4 * r.width);
     const PowerLaw law = fit_power_law(r);
@@ -256,13 +256,12 @@ TEST_CASE("the contacts of a bed at rest carry at every level the weight above i
 }
 
 TEST_CASE("a bed of the trials' grains does not creep, and keeps its strength when it is sheared slowly") {
-  // With as many updates of rigid contacts the plate creeps by a grain a second, and the angle is 15 degrees.
+  // With 14 x 2 updates of rigid contacts the plate creeps by a grain a second, and the angle is 15 degrees.
   TestSoil soil;
   soil.grain = {Real(0.625), Real(0.225), 0};
   soil.relative_density = 0.4;
   const Packing cell = test_bed(soil, 10, 6, 8, 1);
-  const TestPace pace = pace_of(
-      {.step = 1e-3, .substeps = 14, .iterations = 2, .tolerance = 0, .target = sim::Target::coulomb, .give = kGive});
+  const TestPace pace = pace_of(usual_numerics(soil.grain_diameter));
   const double stress = 10e3;
   const double steps = stress_time(soil.grain_diameter, soil.grain_density, stress) / 1e-3;
   const CreepResult c = creep_test(cell, soil.laws(), {.normal_stress = stress, .steps_per_time = steps}, pace);
