@@ -7,7 +7,7 @@
 #   scripts/resume_campaign.sh DATA status                    # unpacks and says how far it is
 #   scripts/resume_campaign.sh DATA pack                      # may be called while it runs; also writes DATA/dataset.h5
 #
-# DATA is data/hmmwv_32mm, say: its study is configs/studies/hmmwv_32mm.json, its folder out/hmmwv_32mm. `build` leaves the
+# DATA is data/hmmwv_32mm, say: its study is configs/studies/hmmwv_32mm.json of that revision, its folder out/hmmwv_32mm. `build` leaves the
 # program, the libraries that it needs and the vehicles and soils of its revision in build/program-REVISION; copy that folder
 # to a machine without history.
 set -euo pipefail
@@ -86,8 +86,7 @@ case $action in
   run)
     build_program
     unpack
-    # The study of today, which may have more points, with the vehicles and soils of the campaign.
-    cp "configs/studies/$name.json" "$program/configs/studies/"
+    # Study, vehicles and soils of the campaign's revision.
     GONOGO_PROGRAM=$program/gonogo scripts/gpu_campaign.sh "$program/configs/studies/$name.json" "$folder" "$seconds" "$places"
     pack
     ;;

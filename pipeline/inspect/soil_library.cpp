@@ -92,6 +92,8 @@ std::string fit_text(const Json& fit) {
   text += line(", relative density %+.2f", off.at("relative_density").number());
   if (const Json* sinkage = off.find("sinkage"))
     text += line(", pressure under a plate %+.0f %%", 100 * sinkage->number());
+  if (const Json* above = off.find("plate_carries_above_Pa"))
+    text += line(", a plate carries more than the %.0f MPa of its tests", above->number() / 1e6);
   return text + "\n";
 }
 

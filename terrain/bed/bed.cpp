@@ -420,6 +420,14 @@ Packing cached_packing(const BedSpec& spec, const std::filesystem::path& folder,
   return packing;
 }
 
+Numerics usual_numerics(double grain_diameter) {
+  const double size = grain_diameter / 0.032;
+  Numerics n{.step = std::min(1e-3 * size, 2e-3), .iterations = 1, .tolerance = 0, .target = sim::Target::coulomb};
+  n.substeps = int(std::lround(n.step / (25e-6 * size)));
+  n.give = 0.6;
+  return n;
+}
+
 sim::StepSettings step_settings(double grain_diameter, const Numerics& n) {
   sim::StepSettings s = bed_step_settings(grain_diameter, n.step, n.iterations, n.tolerance);
   s.substeps = n.substeps;

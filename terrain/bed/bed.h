@@ -97,9 +97,11 @@ struct Numerics {
   double give = 0;        // of contacts of complementarity, see sim::counted_gap; 0: rigid [-]
 };
 
-/// Give with which two updates in each of 14 substeps of a millisecond hold a bed still and show its converged
-/// strength. Only for short substeps: the overlap under a stress grows with the square of their length.
-inline constexpr double kGive = 0.6;
+/// Numerics of the shipped tables: one update in each substep of 25 microseconds for grains of 32 mm, in proportion to
+/// the diameter for others, with give. Beds hold still, and friction angles are those of many updates within a degree
+/// (docs/log/creep.md). With the same number of updates these contacts are the stiffest: the overlap over the diameter
+/// grows as the stress times the square of substep over diameter.
+Numerics usual_numerics(double grain_diameter);
 
 /// Speed of the impact for which penalty contact is made stiff enough [m/s].
 inline constexpr double kOverlapSpeed = 2;

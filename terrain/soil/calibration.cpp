@@ -334,9 +334,16 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& given) {
   if (!c.response.empty()) {
     const SoilResponse& low = c.response[(at.level - 1) * c.packing.size() + f.packing];
     const SoilResponse& high = c.response[at.level * c.packing.size() + f.packing];
-    // Rigid grains: pressure goes with the density of the solid, that of the table being quartz.
-    f.sinkage_modulus = at.between(low.sinkage_modulus, high.sinkage_modulus) * f.grain_density / kQuartz;
+    // Between levels of different exponents the pressure at one grain's depth is interpolated, by its logarithm. It
+    // goes with the density of the solid, that of the table being quartz.
+    const double depth = c.grain_diameter;
+    const auto log_pressure = [&](const SoilResponse& r) {
+      return std::log(r.sinkage_modulus) + r.sinkage_exponent * std::log(depth);
+    };
     f.sinkage_exponent = at.between(low.sinkage_exponent, high.sinkage_exponent);
+    if (low.sinkage_modulus > 0 && high.sinkage_modulus > 0)
+      f.sinkage_modulus = std::exp(at.between(log_pressure(low), log_pressure(high))) /
+                          std::pow(depth, f.sinkage_exponent) * f.grain_density / kQuartz;
   }
   return f;
 }

@@ -129,6 +129,8 @@ AngleRange reachable_angles(const Calibration& calibration, std::size_t packing)
 /// is kWheelStress. Throws InputError for angles out of reach.
 double reachable_cohesion(const Calibration& calibration, double friction_angle, std::size_t packing);
 
+/// Max pressure of the plates behind a table's sinkage moduli [Pa].
+inline constexpr double kMaxPlatePressure = 3e6;
 /// Mean normal stress under an HMMWV's wheel [Pa]. 6.3 to 10 kN, depending on payload, act on 0.254 m times 0.29 m, the
 /// chord of a wheel of radius 0.467 m at 0.1 m sinkage: 86 to 136 kPa.
 inline constexpr double kWheelStress = 110e3;

@@ -1,6 +1,7 @@
 #include "terrain/soil/soil.h"
 
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -158,12 +159,14 @@ Json fits_of(const Calibration& calibration, const std::vector<SoilState>& state
   return rows;
 }
 
-/// Bekker's modulus of the soil for the table's plate, over that of the grains, as pressures at one grain's depth;
-/// less one.
-double sinkage_mismatch(const Calibration& c, const SoilFit& fit, const Bekker& b) {
+/// Pressure under the table's plate at one grain's depth, over that of the soil by Bekker; less one. Nothing where the
+/// grains carry more than plates were pressed with.
+std::optional<double> sinkage_mismatch(const Calibration& c, const SoilFit& fit, const Bekker& b) {
   const double z = c.grain_diameter, width = 4 * c.grain_diameter;
   const double soil = 1e3 * (b.k_c.middle() / width + b.k_phi.middle()) * std::pow(z, b.n.middle());
-  return fit.sinkage_modulus * std::pow(z, fit.sinkage_exponent) / soil - 1;
+  const double grains = fit.sinkage_modulus * std::pow(z, fit.sinkage_exponent);
+  if (!(grains < kMaxPlatePressure)) return {};
+  return grains / soil - 1;
 }
 
 }  // namespace
@@ -210,7 +213,12 @@ Json fit_record(const Calibration& calibration, const SoilState& state) {
     off["cohesion_error"] = soil.cohesion > 0 ? f.cohesion_error / soil.cohesion : 0;
     off["bulk_density"] = f.bulk_density / soil.bulk_density - 1;
     off["relative_density"] = f.relative_density - soil.relative_density;
-    if (state.bekker && f.sinkage_modulus > 0) off["sinkage"] = sinkage_mismatch(calibration, f, *state.bekker);
+    if (state.bekker && f.sinkage_modulus > 0) {
+      if (const auto sinkage = sinkage_mismatch(calibration, f, *state.bekker))
+        off["sinkage"] = *sinkage;
+      else
+        off["plate_carries_above_Pa"] = kMaxPlatePressure;
+    }
     j["mismatch"] = off;
   } catch (const InputError& e) {
     j["refused"] = std::string(e.what());

@@ -12,8 +12,8 @@
 namespace gonogo::terrain {
 namespace {
 
-Calibration with_give() {
-  return read_calibration(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils/calibration_32mm_give.json");
+Calibration shipped_table() {
+  return read_calibration(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils/calibration_32mm.json");
 }
 
 SoilValue fixed(double x) { return {x, x, "test", "", ""}; }
@@ -38,7 +38,7 @@ SoilState state(std::vector<SoilTest> tests, const std::string& texture = "") {
 }  // namespace
 
 TEST_CASE("tests of the same grains agree, and together say more than one of them") {
-  const Calibration c = with_give();
+  const Calibration c = shipped_table();
   const std::size_t packing = 0;
   const double angle = 36;
   const auto shown = [&](StrengthTest test, Stage stage) {
@@ -65,15 +65,15 @@ TEST_CASE("tests of the same grains agree, and together say more than one of the
 TEST_CASE("a shear box and a triaxial test that show the same angle contradict each other, by name") {
   // 40 degrees on the plane are far more than 40 in triaxial compression.
   const SoilPosterior p =
-      soil_posterior(with_give(), state({envelope(StrengthTest::triaxial, Stage::peak, 30, 0),
-                                         envelope(StrengthTest::direct_shear, Stage::peak, 36, 0)}));
+      soil_posterior(shipped_table(), state({envelope(StrengthTest::triaxial, Stage::peak, 30, 0),
+                                             envelope(StrengthTest::direct_shear, Stage::peak, 36, 0)}));
   REQUIRE_FALSE(p.disagreements.empty());
   CHECK(contains(p.disagreements[0], "triaxial, peak: friction angle"));
   CHECK(contains(p.disagreements[0], "direct shear, peak: friction angle"));
 }
 
 TEST_CASE("an unconfined strength and a cone index find the cohesion that shows both, in fine-grained soil alone") {
-  const Calibration c = with_give();
+  const Calibration c = shipped_table();
   const double angle = 25, cohesion = 12;
   SoilTest crushed, cone;
   crushed.meaning.test = StrengthTest::unconfined;

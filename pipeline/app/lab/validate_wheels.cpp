@@ -157,8 +157,6 @@ void add_bed_options(CLI::App& wheels, lab::WheelRun& run) {
   of.add_option("--time", run.time, "Time driven [s], of which the last half counts; default: by way")
       ->check(CLI::Range(0.1, 1000.0));
   add_asked_numerics_options(of, run.numerics, "Trials");
-  of.get_option("--iterations")
-      ->description("Trials: max iterations of a substep; default: twice the soil table's, with --quick the table's");
 }
 
 }  // namespace

@@ -33,8 +33,8 @@ struct SimulateOptions {
   campaign::TrialCheckpoint checkpoint;
   terrain::AskedNumerics numerics;
   std::string size = "1280x720", colour = "speed";
-  bool gpu = false, compliant = false, folded = false, numerics_given = false;
-  double wheel_rolling = 0;
+  bool gpu = false, compliant = false, folded = false, numerics_given = false, wheel_rolling_given = false;
+  double wheel_rolling = 1;
   int gpus = 1;
 };
 
@@ -133,7 +133,7 @@ Request request_of(const SimulateOptions& options) {
   if (options.vehicle.empty()) {
     if (options.compliant)
       throw InputError("--compliant-tyres goes with --vehicle; in a study it is trial.compliant_tyres");
-    if (options.wheel_rolling > 0)
+    if (options.wheel_rolling_given)
       throw InputError("--wheel-rolling goes with --vehicle; in a study it is trial.wheel_rolling");
     if (options.folded) throw InputError("--folded goes with --vehicle; in a study it is trial.bed.folded");
     if (options.numerics_given)
@@ -281,6 +281,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
        "gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05"});
   command->callback([&globals, options, command] {
     options->numerics_given = numerics_given(*command);
+    options->wheel_rolling_given = command->count("--wheel-rolling") > 0;
     simulate(globals, *options);
   });
 }

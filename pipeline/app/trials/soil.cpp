@@ -150,7 +150,8 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   add_examples(*command,
                {"gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json",
                 "gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json"});
-  command->callback([&globals, run, out, keep] {
+  command->callback([&globals, command, run, out, keep] {
+    if (!numerics_given(*command)) run->numerics = terrain::usual_numerics(run->grain_diameter);
     run->threads = thread_count(globals);
     run->journal = *out + ".tests";
     const terrain::Calibration c = terrain::calibrate(*run);

@@ -36,7 +36,7 @@ struct DrawbarRequest {
   int seeds = 1;
   bool folded = false;           // bed, see pipeline/campaign/setup/setup.h
   bool compliant_tyres = false;  // of the stiffness that the vehicle's file names
-  double wheel_rolling = 0;      // see campaign::TrialSetup
+  double wheel_rolling = 1;      // see campaign::TrialSetup
   campaign::BatchSettings batch;
 };
 

@@ -50,15 +50,10 @@ double width_across(const Benchmark& b, const vehicle::Wheel& wheel) {
   return width;
 }
 
-/// A slow wheel sinks by the speeds that the solver leaves between grains. At kSlowest, four iterations for the table's
-/// two leave as little of the way as eight at a third of that speed. Friction angles hardly depend on them
-/// (docs/log/wheels_why.md).
-constexpr int kIterationsOverTable = 2;
-
 /// Rim speed over sqrt(g r) at which inertia does not matter yet: what moves at it rises by a thirtieth of a radius.
 constexpr double kSlowest = 0.25;
 
-campaign::TrialSetup setup_by_table(const Benchmark& b, const WheelRun& run) {
+campaign::TrialSetup setup_of(const Benchmark& b, const WheelRun& run) {
   if (!b.vehicle_file.empty())
     return campaign::vehicle_trial_setup(b.vehicle_file, run.calibration, campaign::default_task(), run.numerics);
   campaign::TrialSetup s;
@@ -68,12 +63,6 @@ campaign::TrialSetup setup_by_table(const Benchmark& b, const WheelRun& run) {
   s.calibration_file = run.calibration;
   s.calibration = terrain::read_calibration(run.calibration);
   s.numerics = terrain::numerics_by_table(s.calibration, run.calibration, run.numerics);
-  return s;
-}
-
-campaign::TrialSetup setup_of(const Benchmark& b, const WheelRun& run) {
-  campaign::TrialSetup s = setup_by_table(b, run);
-  if (!run.quick && !run.numerics.iterations) s.numerics.iterations *= kIterationsOverTable;
   return s;
 }
 

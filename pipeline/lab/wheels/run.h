@@ -43,7 +43,7 @@ struct WheelRun {
   std::string state;                                   // of the soil; empty: the benchmark's
   std::optional<double> wheel_friction;                // in the place of the benchmark's
   double wheel_rolling = 1;                            // see TrialSetup; grains are as angular on a rim as on grains
-  terrain::AskedNumerics numerics;                     // in the place of the table's, whose iterations are doubled
+  terrain::AskedNumerics numerics;                     // in the place of the table's
                                                        // unless the run is quick
 };
 

@@ -84,10 +84,6 @@ void check_recent_slip(const std::vector<TrialSample>& samples, double step) {
   CHECK(largest > 0);
 }
 
-terrain::Numerics coulomb_numerics(double step, int substeps, int iterations) {
-  return {.step = step, .substeps = substeps, .iterations = iterations, .tolerance = 0, .target = sim::Target::coulomb};
-}
-
 }  // namespace
 
 TEST_CASE("a HMMWV drives over a bed of tiles, and each of its wheels has its record") {
@@ -325,15 +321,14 @@ TEST_CASE("a vehicle without a study steps by the numerics of its soil's table, 
   const auto setup = [&](const char* vehicle, const char* table, const terrain::AskedNumerics& asked) {
     return vehicle_trial_setup(configs / "vehicles" / vehicle, configs / "soils" / table, default_task(), asked);
   };
-  const terrain::Numerics table_32mm = coulomb_numerics(1e-3, 14, 2);
+  terrain::Numerics table_32mm = terrain::usual_numerics(0.032);
   CHECK(setup("hmmwv_quarter.json", "calibration_32mm.json", {}).numerics == table_32mm);
-  CHECK(setup("hmmwv.json", "calibration_90mm.json", {}).numerics == coulomb_numerics(2e-3, 14, 2));
-  terrain::AskedNumerics asked;
-  asked.iterations = 20;
-  CHECK(setup("hmmwv.json", "calibration_32mm.json", asked).numerics == coulomb_numerics(1e-3, 14, 20));
-  // The shipped study that was gathered with this table has the same numerics and limits.
-  const TrialSetup study = read_trial_setup(read_study(configs / "studies/quarter_wheel_32mm.json"));
+  CHECK(setup("hmmwv.json", "calibration_90mm.json", {}).numerics == terrain::usual_numerics(0.09));
+  const TrialSetup study = read_trial_setup(read_study(configs / "studies/hmmwv_32mm.json"));
   CHECK(study.numerics == table_32mm);
+  terrain::AskedNumerics asked;
+  asked.iterations = table_32mm.iterations = 20;
+  CHECK(setup("hmmwv.json", "calibration_32mm.json", asked).numerics == table_32mm);
   const Thresholds limits = setup("hmmwv.json", "calibration_32mm.json", {}).thresholds;
   CHECK(limits.residual == study.thresholds.residual);
   CHECK(limits.energy_error == study.thresholds.energy_error);
@@ -389,15 +384,19 @@ TEST_CASE("a study steps by the numerics of its soil's table but for those that 
     std::string text = read_file(root / "configs/studies/quarter_wheel_32mm.json");
     const auto at = text.find("\"numerics\""), end = text.find("},", at) + 2;
     text.replace(at, end - at, numerics);
+    const std::string angles = R"("friction_angle": [14, 45])";
+    text.replace(text.find(angles), angles.size(), R"("friction_angle": [15, 45])");
     const auto soil = text.find("../../data/quarter_wheel_32mm/calibration_32mm.json");
     text.replace(soil, std::string("../../data/quarter_wheel_32mm/calibration_32mm.json").size(), table);
     write_file_atomically(folder / "study.json", with_whole_paths(text));
     return read_trial_setup(read_study(folder / "study.json"));
   };
   const std::string table = (root / "configs/soils/calibration_32mm.json").string();
-  CHECK(study_of("", table).numerics == coulomb_numerics(1e-3, 14, 2));
-  CHECK(study_of(R"("numerics": { "substeps": 10, "iterations": 20 },)", table).numerics ==
-        coulomb_numerics(1e-3, 10, 20));
+  terrain::Numerics numerics = terrain::usual_numerics(0.032);
+  CHECK(study_of("", table).numerics == numerics);
+  numerics.substeps = 10;
+  numerics.iterations = 20;
+  CHECK(study_of(R"("numerics": { "substeps": 10, "iterations": 20 },)", table).numerics == numerics);
   std::string mute = read_file(table);
   mute.replace(mute.find("\"substeps\""), 10, "\"parts\"");
   write_file_atomically(folder / "mute.json", mute);

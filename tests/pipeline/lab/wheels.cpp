@@ -124,17 +124,15 @@ TEST_CASE("a wheel's quarter carries its load, and each point of CMU its own") {
   CHECK(load_at(rover, rover.point[0]) == Approx(88 * 9.81 / 4).epsilon(1e-3));
 }
 
-TEST_CASE("wheels take twice the table's iterations, quick ones the table's, and either those asked for") {
-  const auto iterations = [](WheelRun run) {
+TEST_CASE("wheels take the numerics of their table, or the iterations asked for") {
+  const auto numerics = [](WheelRun run) {
     run.calibration = std::string(GONOGO_SOURCE_DIR) + "/configs/soils/calibration_32mm.json";
-    return plan_wheels({read_benchmark("ding_smooth")}, run).setup.front()->numerics.iterations;
+    return plan_wheels({read_benchmark("ding_smooth")}, run).setup.front()->numerics;
   };
-  CHECK(iterations({}) == 4);
-  WheelRun quick, asked;
-  quick.quick = true;
-  CHECK(iterations(quick) == 2);
+  CHECK(numerics({}) == terrain::usual_numerics(0.032));
+  WheelRun asked;
   asked.numerics.iterations = 3;
-  CHECK(iterations(asked) == 3);
+  CHECK(numerics(asked).iterations == 3);
 }
 
 TEST_CASE("rims turn as fast as the experiment's, and no slower than at a quarter of sqrt(g r)") {

@@ -39,7 +39,7 @@ TEST_CASE("numbers of a shear test become those of triaxial compression before t
   CHECK(point_of("repose:phi=30,density=0.3")[contract().variable_index("relative_density")] == 0.3);
   // By the model's own table where that has a curve on the plane of shear.
   Region region;
-  region.table = terrain::read_calibration(GONOGO_SOURCE_DIR "/configs/soils/calibration_32mm_give.json");
+  region.table = terrain::read_calibration(GONOGO_SOURCE_DIR "/configs/soils/calibration_32mm.json");
   const terrain::MacroscopicSoil measured{28, 500, 0, 0.5, {terrain::StrengthTest::direct_shear}};
   CHECK(angle_of(point_of("direct_shear:phi=28,c=0.5,density=0.5", region)) ==
         Approx(as_triaxial(*region.table, measured).friction_angle));
