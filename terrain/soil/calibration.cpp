@@ -313,6 +313,29 @@ sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& given, std
           Real(soil.cohesion / gain_at(c, at))};
 }
 
+namespace {
+
+std::pair<const SoilResponse&, const SoilResponse&> responses(const Calibration& c, const PlaceOnLine& at,
+                                                              std::size_t packing) {
+  return {c.response[(at.level - 1) * c.packing.size() + packing], c.response[at.level * c.packing.size() + packing]};
+}
+
+/// By its logarithm, since levels have different exponents; 0 where the table does not know.
+double plate_pressure(const Calibration& c, const PlaceOnLine& at, std::size_t packing) {
+  const auto [low, high] = responses(c, at, packing);
+  if (!(low.sinkage_modulus > 0 && high.sinkage_modulus > 0)) return 0;
+  const auto log_pressure = [&](const SoilResponse& r) {
+    return std::log(r.sinkage_modulus) + r.sinkage_exponent * std::log(c.grain_diameter);
+  };
+  return std::exp(at.between(log_pressure(low), log_pressure(high)));
+}
+
+}  // namespace
+
+double plate_pressure(const Calibration& c, double triaxial, std::size_t packing) {
+  return c.response.empty() ? 0 : plate_pressure(c, nearest_place(c, triaxial, packing), packing);
+}
+
 SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& given) {
   const MacroscopicSoil soil = as_triaxial(c, given);
   SoilFit f;
@@ -332,18 +355,11 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& given) {
   f.cohesion = double(f.law.cohesion_pressure) * gain_at(c, at);
   f.cohesion_error = double(f.law.cohesion_pressure) * gain_error_at(c, at);
   if (!c.response.empty()) {
-    const SoilResponse& low = c.response[(at.level - 1) * c.packing.size() + f.packing];
-    const SoilResponse& high = c.response[at.level * c.packing.size() + f.packing];
-    // Between levels of different exponents the pressure at one grain's depth is interpolated, by its logarithm. It
-    // goes with the density of the solid, that of the table being quartz.
-    const double depth = c.grain_diameter;
-    const auto log_pressure = [&](const SoilResponse& r) {
-      return std::log(r.sinkage_modulus) + r.sinkage_exponent * std::log(depth);
-    };
+    const auto [low, high] = responses(c, at, f.packing);
     f.sinkage_exponent = at.between(low.sinkage_exponent, high.sinkage_exponent);
-    if (low.sinkage_modulus > 0 && high.sinkage_modulus > 0)
-      f.sinkage_modulus = std::exp(at.between(log_pressure(low), log_pressure(high))) /
-                          std::pow(depth, f.sinkage_exponent) * f.grain_density / kQuartz;
+    // Rigid grains: pressure goes with the density of the solid, that of the table being quartz.
+    f.sinkage_modulus =
+        plate_pressure(c, at, f.packing) / std::pow(c.grain_diameter, f.sinkage_exponent) * f.grain_density / kQuartz;
   }
   return f;
 }

@@ -116,6 +116,10 @@ double shown_angle(const Calibration& calibration, std::size_t packing, double t
 /// Relative density of a packing for grains of this triaxial angle [-].
 double packing_density(const Calibration& calibration, double triaxial, std::size_t packing);
 
+/// Pressure at one grain's depth under a plate four grains wide on quartz grains of this triaxial angle without
+/// cohesion [Pa]; 0 where the table does not know.
+double plate_pressure(const Calibration& calibration, double triaxial, std::size_t packing);
+
 /// Friction angles that the table reaches [deg]: in every packing, or in one.
 struct AngleRange {
   double lowest, highest;

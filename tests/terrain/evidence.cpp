@@ -72,6 +72,32 @@ TEST_CASE("a shear box and a triaxial test that show the same angle contradict e
   CHECK(contains(p.disagreements[0], "direct shear, peak: friction angle"));
 }
 
+TEST_CASE("a plate adds to what a shear box says, and contradicts one of far weaker grains by name") {
+  const Calibration c = shipped_table();
+  const double angle = 30, depth = c.grain_diameter;
+  SoilTest plate;
+  plate.meaning.test = StrengthTest::plate;
+  // p = k_phi z^n, so that the pressure one grain deep is that of these grains in the middle packing.
+  const double n = 0.8, k_phi = plate_pressure(c, angle, 1) / 1e3 / std::pow(depth, n);
+  plate.bekker = Bekker{.n = fixed(n), .k_c = fixed(0), .k_phi = fixed(k_phi)};
+  const SoilTest strong = envelope(StrengthTest::triaxial, Stage::peak, angle, 0),
+                 weak = envelope(StrengthTest::triaxial, Stage::peak, 17, 0);
+  const SoilPosterior alone = soil_posterior(c, state({strong})), both = soil_posterior(c, state({strong, plate}));
+  CHECK(both.evidence.size() == 3);
+  CHECK(both.left_out.empty());
+  CHECK(both.disagreements.empty());
+  CHECK(both.packing[1] > alone.packing[1]);
+  plate.bekker->k_phi = fixed(30 * k_phi);
+  const SoilPosterior torn = soil_posterior(c, state({weak, plate}));
+  REQUIRE_FALSE(torn.disagreements.empty());
+  CHECK(contains(torn.disagreements[0], "plate: pressure one grain deep"));
+  Calibration without = c;
+  for (SoilResponse& r : without.response) r.sinkage_modulus = 0;
+  const SoilPosterior none = soil_posterior(without, state({strong, plate}));
+  REQUIRE(none.left_out.size() == 1);
+  CHECK(contains(none.left_out[0], "holds no test of a plate"));
+}
+
 TEST_CASE("an unconfined strength and a cone index find the cohesion that shows both, in fine-grained soil alone") {
   const Calibration c = shipped_table();
   const double angle = 25, cohesion = 12;
