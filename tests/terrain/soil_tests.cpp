@@ -120,7 +120,7 @@ TEST_CASE("tests that step together have the bits of tests that step alone") {
 TEST_CASE("side by side on every device a bed carries the load of its test") {
   for (const sim::Backend backend : test::backends()) {
     TestBench bench(backend, 1, true);
-    TestPace pace = rough_pace();
+    TestPace pace = pace_of(usual_numerics(shared_cell().spec.grain_diameter));
     pace.bench = &bench;
     double normal[3] = {};
     bench.run(3, [&](std::size_t k) {

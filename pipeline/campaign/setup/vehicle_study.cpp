@@ -16,7 +16,7 @@
 namespace gonogo::campaign {
 namespace {
 
-constexpr const char* kTables[] = {"calibration_90mm_give", "calibration_32mm_give"};  // coarsest first
+constexpr const char* kTables[] = {"calibration_90mm", "calibration_32mm"};  // coarsest first
 
 /// Time for one update of one grain [s]: quarter wheels on 90 mm grains on a core of an AMD EPYC, and whole HMMWVs on
 /// 32 mm grains on an H200 (3.9 s for 50,700 grains in 5,000 steps of 28 updates).
