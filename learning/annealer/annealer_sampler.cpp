@@ -25,7 +25,6 @@ enum AnnealerStream : std::uint64_t {
 
 constexpr double kSecondScale = 0.75;   // of the two scales of a reading
 constexpr double kWidestReading = 0.5;  // interval over estimate: less certain ones do not move the scale
-constexpr double kFurthest = 4;         // of the scale from the first one
 constexpr double kMaxChange = 1.5;      // of the scale in one epoch
 
 std::size_t cut_to_ranges(Problem& problem, const CoefficientRanges& ranges) {
@@ -171,17 +170,25 @@ void TemperatureControl::update(std::size_t epoch, const Problem& problem) {
   }
   log_.push_back(reading);
   // A machine without structure says nothing about the temperature of its rows.
-  if (!(wanted > 0) || !std::isfinite(wanted) || reading.high - reading.low > kWidestReading * reading.beta) return;
+  const bool far = reading.high < 1 || reading.low > 1;  // however wide the interval, it is on one side
+  const bool unknown =
+      !(wanted > 0) || !std::isfinite(wanted) || (!far && reading.high - reading.low > kWidestReading * reading.beta);
+  if (std::isinf(local.beta))
+    wanted = 0;
+  else if (unknown)
+    return;
   wanted = std::clamp(wanted, scale / kMaxChange, scale * kMaxChange);
-  wanted = std::clamp(wanted, first_scale_ / kFurthest, first_scale_ * kFurthest);
+  wanted = std::clamp(wanted, first_scale_ / furthest_, first_scale_ * furthest_);
   sampler_.set_scale(std::min(wanted, sampler_.largest_scale(problem)));
 }
 
 namespace {
 
-constexpr double kStrengths[] = {0.6, 0.8, 1.0};  // |J| inside chains, from weak to the limit of the range
+constexpr double kStrengths[] = {0.6, 0.8, 1.0};  // |J| inside chains over the largest that any gauge can program
+constexpr double kStiff = 3;                      // |J| inside chains over the temperature, at the first strength
 constexpr double kMostBroken = 0.02;              // share of broken chains that a weaker strength may have
-constexpr std::size_t kRounds = 10;               // measurements of the temperature
+constexpr std::size_t kRounds = 14;               // measurements of the temperature
+constexpr double kWidestSearch = 50;              // of the scale, from the first one
 constexpr double kNear = 0.02;                    // of beta to 1
 
 /// Block Gibbs from the device's rows.
@@ -220,7 +227,7 @@ AnnealerSampler CorrectedAnnealer::tuned(const Problem& problem, const SampleReq
   AnnealerSampler sampler(device_, graph_, embedding_, problem.variable_count(), settings);
   sampler.set_scale(std::min(settings_.first_scale, sampler.largest_scale(problem)));
   TemperatureControl control(sampler, Thermometer::pseudo_likelihood, settings_.probe_reads, request.sweeps,
-                             random_bits(request.seed, kTuning, 0));
+                             random_bits(request.seed, kTuning, 0), kWidestSearch);
   for (std::size_t round = 0; round < kRounds; ++round) {
     stop_if_cancelled();
     const double scale = sampler.scale();
@@ -248,10 +255,22 @@ SampleSet CorrectedAnnealer::sample(const Problem& problem, const SampleRequest&
   correction.masked_pairs = embedding_.uncoupled.size();
   correction.programmings = std::min(settings_.programmings, request.reads);
   correction.post_sweeps = settings_.post_sweeps > 0 && split_in_two(to_qubo(problem)) ? settings_.post_sweeps : 0;
-  for (double strength : kStrengths) {
-    const AnnealerSampler sampler = tuned(problem, request, strength);
+  double largest = std::min(-settings_.ranges.j_low, settings_.ranges.j_high);
+  AnnealerSampler sampler = tuned(problem, request, kStrengths[0] * largest);
+  // The scale is the machine's temperature but for what warms its rows. Chains far stiffer than that freeze.
+  for (int round = 0; round < 3; ++round) {
+    const double fitting = kStiff / kStrengths[0] * sampler.scale();
+    if (fitting > largest / 2) break;
+    const AnnealerSampler softer = tuned(problem, request, kStrengths[0] * fitting);
+    if (softer.scale() >= softer.largest_scale(problem)) break;  // the problem's couplings need stiffer chains
+    sampler = softer;
+    largest = fitting;
+  }
+  for (double share : kStrengths) {
+    const double strength = share * largest;
+    if (share != kStrengths[0]) sampler = tuned(problem, request, strength);
     sampler.sample(problem, probe, correction.use);
-    if (correction.use.chain_break_fraction > kMostBroken && strength != kStrengths[2]) continue;
+    if (correction.use.chain_break_fraction > kMostBroken && share != kStrengths[2]) continue;
     SampleSet rows = sampler.sample(problem, final, correction.use);
     const BetaEstimate left = pseudo_likelihood_beta(problem, rows, request.seed);
     correction.chain_coupling = strength;

@@ -73,17 +73,19 @@ struct ThermometerReading {
 };
 
 /// Sets the sampler's scale once an epoch so that rows have beta = 1. The scale stays below largest_scale() and within
-/// a factor of four of the first one, because no scale may be right: broken chains heat rows as the scale grows.
+/// a factor `furthest` of the first one, because no scale may be right: broken chains heat rows as the scale grows.
+/// Rows that are all local minima tell no temperature, but that they are too cold.
 class TemperatureControl {
  public:
   TemperatureControl(AnnealerSampler& sampler, Thermometer thermometer, std::size_t reads, std::size_t sweeps,
-                     std::uint64_t seed)
+                     std::uint64_t seed, double furthest = 4)
       : sampler_(sampler),
         thermometer_(thermometer),
         reads_(reads),
         sweeps_(sweeps),
         seed_(seed),
-        first_scale_(sampler.scale()) {}
+        first_scale_(sampler.scale()),
+        furthest_(furthest) {}
   void update(std::size_t epoch, const Problem& problem);
   const std::vector<ThermometerReading>& log() const { return log_; }
 
@@ -93,13 +95,15 @@ class TemperatureControl {
   Thermometer thermometer_;
   std::size_t reads_, sweeps_;
   std::uint64_t seed_;
-  double first_scale_;
+  double first_scale_, furthest_;
   std::vector<ThermometerReading> log_;
   std::vector<double> scales_, temperatures_, errors_;
 };
 
 struct CorrectionSettings {
-  double first_scale = 0.2;   // of the search: what a device of temperature 0.2 needs if nothing else warms its rows
+  /// Of the search: what a device of temperature 0.2 needs if nothing else warms its rows. The search goes up to a
+  /// factor of 50 from it.
+  double first_scale = 0.2;
   double susceptibility = 0;  // of the device, as published
   std::size_t programmings = 20;
   std::size_t probe_reads = 500;  // of every measurement
@@ -121,7 +125,8 @@ Json to_json(const Correction& correction);
 /// Rows of a device follow exp(-beta E') with a beta that nobody states and an E' that is not quite the programmed E.
 /// For every request this sampler measures and sets
 ///
-///   chain strength  the weakest of three with at most 2 % of broken chains
+///   chain strength  the weakest of three with at most 2 % of broken chains: 0.6, 0.8 and 1 of the range, or of what is
+///                   5 times the temperature if that is less than half of it
 ///   scale           the one at which the pseudo-likelihood of the rows finds beta = 1 (temperature.h)
 ///   gauges          random ones, each a programming of its own, so that constant and random errors average out
 ///   leakage         fields are programmed with the first-order leak of the susceptibility taken off

@@ -144,7 +144,8 @@ SampleSet Emulator::sample(const Problem& problem, const SampleRequest& request)
   const Problem programmed = scaled(ising, factor);
   check_ranges(programmed, device_.ranges);
   const double beta = 1 / device_.temperature;
-  const auto annealer = make_sampler("anneal", {{"beta_start", beta / 20}, {"beta_end", beta}});
+  const auto annealer =
+      make_sampler("anneal", {{"beta_start", beta / 20}, {"beta_end", beta}, {"schedule", std::string("linear")}});
   SampleSet rows = annealer->sample(disturbed(programmed, device_, request.seed), request);
   for (std::size_t k = 0; k < rows.values.size(); ++k)
     if (random_unit(request.seed, kReadout, k) < device_.errors.readout) rows.values[k] = std::int8_t(-rows.values[k]);

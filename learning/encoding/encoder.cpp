@@ -22,15 +22,16 @@ int gray_inverse(unsigned code) {
 
 }  // namespace
 
-std::string code_name(Code code) {
-  if (code == Code::thermometer) return "thermometer";
-  return code == Code::one_hot ? "one_hot" : "gray";
-}
+std::string code_name(Code code) { return code_names()[std::size_t(code)]; }
+
+std::vector<std::string> code_names() { return {"thermometer", "one_hot", "gray", "binary"}; }
 
 Code code_from_name(const std::string& name) {
-  for (Code code : {Code::thermometer, Code::one_hot, Code::gray})
-    if (name == code_name(code)) return code;
-  throw InputError("code \"" + name + "\" does not exist; use thermometer, one_hot or gray");
+  const std::vector<std::string> names = code_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw InputError("code \"" + name + "\" does not exist; use thermometer, one_hot, gray or binary");
+  return Code(found - names.begin());
 }
 
 int Encoder::bins_for_units(Code code, int units) {
@@ -62,16 +63,20 @@ Encoder Encoder::by_quantile(std::string name, std::string unit, Code code, int 
   std::erase_if(values, [](double x) { return std::isnan(x); });
   if (values.empty()) throw InputError("variable " + name + ": no known value to take quantiles of");
   std::sort(values.begin(), values.end());
+  std::vector<std::size_t> gaps;  // places whose value is larger than the one before
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i - 1] < values[i]) gaps.push_back(i);
   std::vector<double> edges;
-  for (int k = 1; k < bins; ++k) {
-    const std::size_t right = values.size() * std::size_t(k) / std::size_t(bins);
-    if (right == 0 || right >= values.size()) continue;
-    const double edge = values[right - 1] + (values[right] - values[right - 1]) / 2;
+  for (int k = 1; k < bins && !gaps.empty(); ++k) {
+    const std::size_t wanted = values.size() * std::size_t(k) / std::size_t(bins);
+    auto gap = std::lower_bound(gaps.begin(), gaps.end(), wanted);
+    if (gap == gaps.end() || (gap != gaps.begin() && wanted - gap[-1] < *gap - wanted)) --gap;
+    const double edge = values[*gap - 1] + (values[*gap] - values[*gap - 1]) / 2;
     const double last = edges.empty() ? values.front() : edges.back();
     if (edge > last && edge < values.back()) edges.push_back(edge);
   }
-  // Gray code words exist for powers of two only: repeated values may have left fewer bins.
-  if (code == Code::gray) edges.resize(std::bit_floor(edges.size() + 1) - 1);
+  // Repeated values may have left fewer bins than a power of two.
+  if (has_all_words(code)) edges.resize(std::bit_floor(edges.size() + 1) - 1);
   return by_edges(std::move(name), std::move(unit), code, std::move(edges), values.front(), values.back());
 }
 
@@ -99,8 +104,9 @@ void Encoder::check() const {
     last = edge;
   }
   if (edges_.size() >= 4096) throw InputError(where + "more than 4096 bins");
-  if (code_ == Code::gray && !std::has_single_bit(unsigned(bin_count())))
-    throw InputError(where + "a Gray code needs 2, 4, 8, ... bins, not " + std::to_string(bin_count()));
+  if (has_all_words(code_) && !std::has_single_bit(unsigned(bin_count())))
+    throw InputError(where + "a " + (code_ == Code::gray ? "Gray" : "binary") + " code needs 2, 4, 8, ... bins, not " +
+                     std::to_string(bin_count()));
   if (!categories_.empty() && (code_ != Code::one_hot || categories_.size() != std::size_t(bin_count())))
     throw InputError(where + "categories need a one_hot code with one bin each");
 }
@@ -116,8 +122,8 @@ std::vector<std::string> Encoder::unit_labels() const {
   for (std::size_t k = 0; k < unit_count(); ++k) {
     if (code_ == Code::thermometer)
       labels.push_back(name_ + ">" + short_number(edges_[k]));
-    else if (code_ == Code::gray)
-      labels.push_back(name_ + ":gray" + std::to_string(k));
+    else if (has_all_words(code_))
+      labels.push_back(name_ + ":" + code_name(code_) + std::to_string(k));
     else
       labels.push_back(name_ + "=" + (categories_.empty() ? short_number(value(int(k))) : categories_[k]));
   }
@@ -147,7 +153,7 @@ void Encoder::encode(int bin, std::span<Bit> units) const {
     else if (code_ == Code::one_hot)
       units[k] = k == std::size_t(bin);
     else
-      units[k] = (gray_code(bin) >> k) & 1;
+      units[k] = ((code_ == Code::gray ? gray_code(bin) : unsigned(bin)) >> k) & 1;
   }
 }
 
@@ -173,10 +179,10 @@ void Encoder::encode_smooth(double x, std::span<double> units) const {
 DecodedBin Encoder::decode(std::span<const Bit> units, DecodeRule rule) const {
   GONOGO_ASSERT(units.size() == unit_count());
   if (units.empty()) return {0, true};
-  if (code_ == Code::gray) {
+  if (has_all_words(code_)) {
     unsigned word = 0;
     for (std::size_t k = 0; k < units.size(); ++k) word |= unsigned(units[k]) << k;
-    return {gray_inverse(word), true};
+    return {code_ == Code::gray ? gray_inverse(word) : int(word), true};
   }
   const auto ones = std::size_t(std::count(units.begin(), units.end(), Bit(1)));
   if (code_ == Code::thermometer) {
@@ -199,9 +205,9 @@ Json Encoder::to_json() const {
 
 Encoder Encoder::from_json(const Json& json, const std::string& source) {
   const Config config = Config::parse(json.dump(), source);
-  Encoder encoder = by_edges(config.text("name"), config.text("unit"),
-                             code_from_name(config.choice("code", {"thermometer", "one_hot", "gray"})),
-                             config.numbers("edges"), config.number("lower"), config.number("upper"));
+  Encoder encoder =
+      by_edges(config.text("name"), config.text("unit"), code_from_name(config.choice("code", code_names())),
+               config.numbers("edges"), config.number("lower"), config.number("upper"));
   encoder.categories_ = config.texts("categories");
   config.finish();
   encoder.check();

@@ -3,6 +3,9 @@
 //   thermometer  b units for b + 1 bins: unit k is on when x is above edge k. Keeps the order; robust to single errors.
 //   one_hot      b units for b bins: unit k is on when x is in bin k. The only code for categories.
 //   gray         b units for 2^b bins, reflected binary code. Fewest units; neighbours differ in one unit.
+//   binary       b units for 2^b bins, unit k is worth 2^k. Fewest units; the value is linear in them.
+//
+// Every word of a Gray or binary code is a code word.
 //
 // Decoding gives the bin exactly, and the value to half a bin (`resolution`).
 #pragma once
@@ -17,11 +20,15 @@ namespace gonogo::learning {
 
 using Bit = std::uint8_t;  // 0 or 1
 
-enum class Code { thermometer, one_hot, gray };
+enum class Code { thermometer, one_hot, gray, binary };
 
 std::string code_name(Code code);
 /// Throws InputError that lists the codes.
 Code code_from_name(const std::string& name);
+/// The names of all codes.
+std::vector<std::string> code_names();
+/// Whether the code needs a power of two of bins, and then has no invalid words.
+inline bool has_all_words(Code code) { return code == Code::gray || code == Code::binary; }
 
 /// Treatment of units that are no code word.
 enum class DecodeRule {
@@ -39,7 +46,8 @@ class Encoder {
   /// `bins` equal bins over [lower, upper]. With one bin (lower == upper or bins == 1) the variable is fixed and has no
   /// units.
   static Encoder by_range(std::string name, std::string unit, Code code, int bins, double lower, double upper);
-  /// Bins with equally many of `values`, NaN ignored. Repeated values may give fewer bins.
+  /// Bins with equally many of `values`, NaN ignored, as far as their ties allow: edges lie between different values,
+  /// so that a rare value among many equal ones keeps a bin. Repeated values may give fewer bins.
   static Encoder by_quantile(std::string name, std::string unit, Code code, int bins, std::vector<double> values);
   /// Bins between the given inner edges, which increase strictly inside (lower, upper).
   static Encoder by_edges(std::string name, std::string unit, Code code, std::vector<double> edges, double lower,
@@ -47,7 +55,7 @@ class Encoder {
   /// Values 0, 1, ... are the categories. The code is one_hot.
   static Encoder categorical(std::string name, std::vector<std::string> categories);
 
-  /// Number of bins of `units` units: units + 1, units, 2^units.
+  /// Number of bins of `units` units: units + 1, units, 2^units, 2^units.
   static int bins_for_units(Code code, int units);
 
   const std::string& name() const { return name_; }

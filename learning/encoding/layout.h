@@ -55,7 +55,7 @@ class VisibleLayout {
 ///
 ///   thermometer  strength sum_k u_(k+1) (1 - u_k)   for every unit that is on after one that is off
 ///   one_hot      strength (1 - sum_k u_k)^2         also for the outcome's units
-///   gray         none: every word is a code word
+///   gray, binary none: every word is a code word
 ///
 /// Energies of code words do not change, so neither do their relative probabilities. The weight of any other row falls
 /// by a factor of at least exp(strength). Source: Lucas, Front. Phys. 2:5 (2014), section 3 (one-hot); Chancellor,

@@ -53,6 +53,23 @@ WordMachine::WordMachine(const VisibleLayout& layout, const RbmWeights& weights,
     add_known(layout.input_unit_count() + *known.outcome, 1);
   else if (layout.outcome_count() > 0)
     add_group(weights, -1, layout.input_unit_count(), outcome_words(layout.outcome_count()));
+  transpose_fields();
+}
+
+WordMachine::WordMachine(const std::vector<std::size_t>& lengths, std::vector<double> word_bias,
+                         std::vector<double> field, std::vector<double> hidden_bias)
+    : hidden_bias_(std::move(hidden_bias)), word_bias_(std::move(word_bias)), field_(std::move(field)) {
+  std::size_t first = 0;
+  for (std::size_t length : lengths) {
+    groups_.push_back({-1, first, length});
+    first += length;
+  }
+  GONOGO_ASSERT(first == word_count() && field_.size() == first * hidden_count());
+  transpose_fields();
+}
+
+void WordMachine::transpose_fields() {
+  const std::size_t hidden = hidden_count();
   hidden_field_.resize(field_.size());
   for (std::size_t w = 0; w < word_count(); ++w)
     for (std::size_t j = 0; j < hidden; ++j) hidden_field_[j * word_count() + w] = field_[w * hidden + j];

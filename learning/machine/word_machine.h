@@ -34,6 +34,10 @@ class WordMachine {
   /// Known variables enter by their smooth code (Encoder::encode_smooth), as in Posterior. They and fixed variables
   /// have no group. Throws InputError for weights that do not match the layout and for an outcome that does not exist.
   WordMachine(const VisibleLayout& layout, const RbmWeights& weights, const KnownPart& known = {});
+  /// Of words that are given by what they add: word_bias [word], field [word x hidden]; lengths: words of each group.
+  /// Such a machine has no units to write.
+  WordMachine(const std::vector<std::size_t>& lengths, std::vector<double> word_bias, std::vector<double> field,
+              std::vector<double> hidden_bias);
 
   const std::vector<WordGroup>& groups() const { return groups_; }
   std::size_t word_count() const { return word_bias_.size(); }  // of all groups
@@ -56,6 +60,7 @@ class WordMachine {
   void write_units(std::span<const std::uint16_t> words, std::span<Bit> units) const;
 
  private:
+  void transpose_fields();
   void add_group(const RbmWeights& weights, std::ptrdiff_t variable, std::size_t offset,
                  const std::vector<std::vector<Bit>>& words);
 

@@ -160,11 +160,40 @@ torch::Tensor negative_free_energy(const Machine& m, const torch::Tensor& inputs
   return torch::softplus(all).sum(2) + bias.slice(0, n, visible) + of_inputs;
 }
 
+torch::Tensor step_units(const VisibleLayout& layout) {
+  std::vector<std::vector<double>> rows;
+  bool changed = false;
+  const auto add_unit = [&](std::size_t unit) { rows.emplace_back(layout.unit_count(), 0.0)[unit] = 1; };
+  for (std::size_t v = 0; v < layout.variable_count(); ++v) {
+    const Encoder& encoder = layout.encoders()[v];
+    const std::size_t first = layout.offset(v), units = encoder.unit_count();
+    if (!has_all_words(encoder.code())) {
+      for (std::size_t k = 0; k < units; ++k) add_unit(first + k);
+      continue;
+    }
+    changed = changed || units > 0;
+    std::vector<Bit> word(units), next(units);
+    for (int bin = 0; bin + 1 < encoder.bin_count(); ++bin) {
+      encoder.encode(bin, word);
+      encoder.encode(bin + 1, next);
+      std::vector<double>& row = rows.emplace_back(layout.unit_count(), 0.0);
+      for (std::size_t k = 0; k < units; ++k) row[first + k] = double(next[k]) - double(word[k]);
+    }
+  }
+  if (!changed) return {};
+  for (std::size_t y = layout.input_unit_count(); y < layout.unit_count(); ++y) add_unit(y);
+  torch::Tensor result = torch::empty({std::int64_t(rows.size()), std::int64_t(layout.unit_count())}, torch::kFloat64);
+  double* out = result.data_ptr<double>();
+  for (const std::vector<double>& row : rows) out = std::copy(row.begin(), row.end(), out);
+  return result;
+}
+
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
                         const TrainingSettings& settings, std::size_t table_rows, double trial_share) {
   const torch::Tensor label = rows.outcome.unsqueeze(1);
   const double count = double(rows.outcome.size(0));
-  torch::Tensor loss = (machine.weight.square().sum() + machine.hidden_bias().square().sum()) *
+  const torch::Tensor steps = machine.steps.defined() ? torch::matmul(machine.steps, machine.weight) : machine.weight;
+  torch::Tensor loss = (steps.square().sum() + machine.hidden_bias().square().sum()) *
                        (settings.weight_decay / (2 * double(table_rows)));
   if (settings.discriminative > 0) {
     const torch::Tensor scores = sum_completions(negative_free_energy(machine, rows.smooth), rows.first);

@@ -45,6 +45,7 @@ struct Machine {
   torch::Tensor centred_hidden;   // B [hidden]
   torch::Tensor visible_mean;     // mu, a constant
   torch::Tensor hidden_mean;      // lambda, a constant
+  torch::Tensor steps;            // D of step_units(), a constant; undefined: the identity
   std::int64_t input_units = 0;
 
   torch::Tensor visible_bias() const { return centred_visible - torch::matmul(weight, hidden_mean); }
@@ -58,6 +59,10 @@ struct Machine {
   RbmWeights gradient() const;
   std::vector<torch::Tensor> parameters() const { return {weight, centred_visible, centred_hidden}; }
 };
+
+/// D [step x visible]: what a step from a bin to the next changes in the units. A step of a thermometer or one-hot code
+/// is one unit, so that D is the identity there. Undefined if it is the identity as a whole.
+torch::Tensor step_units(const VisibleLayout& layout);
 
 /// One completion of each row, drawn by the machine's probabilities: [row x visible].
 torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std::uint64_t seed, std::uint64_t update);

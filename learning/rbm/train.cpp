@@ -66,7 +66,7 @@ RbmWeights initial_weights(const VisibleLayout& layout, const TrainingTable& tab
   if (settings.negative != NegativePhaseKind::code_words) return weights;
   for (std::size_t v = 0; v < layout.variable_count(); ++v) {
     const Encoder& encoder = layout.encoders()[v];
-    if (encoder.unit_count() == 0 || encoder.code() == Code::gray) continue;  // a Gray code has no other words
+    if (encoder.unit_count() == 0 || has_all_words(encoder.code())) continue;
     pin_words(encoder, table, v, std::span(weights.visible_bias).subspan(layout.offset(v), encoder.unit_count()));
   }
   return weights;
@@ -132,6 +132,7 @@ class Run {
         negative_(layout, settings, sampler, start.visible_bias) {
     if (teaching && teaching->weight > 0) teaching_.emplace(layout, *teaching, machine_.device(), &table);
     if (!settings.masked.empty()) coupled_ = coupled_weights(settings, start).to(machine_.device());
+    if (const torch::Tensor steps = step_units(layout); steps.defined()) machine_.steps = steps.to(machine_.device());
     mask_weights();
     if (settings.centred) centre_on_table();
   }
@@ -279,6 +280,7 @@ Objective training_objective(const RbmWeights& weights, const VisibleLayout& lay
                              const TrainingSettings& settings, const SampleSet& negative, const Teaching* teaching) {
   const OneTorchThread one_thread;
   Machine machine(weights, layout.input_unit_count(), torch_device(settings.gradients));
+  if (const torch::Tensor steps = step_units(layout); steps.defined()) machine.steps = steps.to(machine.device());
   std::vector<std::size_t> all(table.row_count());
   std::iota(all.begin(), all.end(), std::size_t(0));
   const torch::Tensor drawn = rows_tensor(negative, weights.visible_count).to(machine.device());

@@ -1,7 +1,10 @@
 // Training of restricted Boltzmann machines on LibTorch: hybrid of discriminative and generative likelihood
 // (Larochelle & Bengio 2008, section 4), per row n of the table with weight w_n (mean 1):
 //
-//   L = - mean w_n log P(y_n | x_n) - g mean w_n log P(v_n, y_n) + s / (2 N) (|W|^2 + |b|^2)
+//   L = - mean w_n log P(y_n | x_n) - g mean w_n log P(v_n, y_n) + s / (2 N) (|D W|^2 + |b|^2)
+//
+// D W is what a step from a bin to the next adds to the fields of the hidden units: W itself for a thermometer code. So
+// codes with fewer units have the same prior as a function of the value.
 //
 // The first term is exact by free energy over the outcomes. The gradient of the second needs rows of the machine, from
 // a Sampler whose chains persist between updates (Tieleman 2008). x_n is the smooth code, v_n the code word. Unknown

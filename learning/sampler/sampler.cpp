@@ -101,6 +101,12 @@ std::unique_ptr<Sampler> make_sampler(const std::string& name, const SamplerSett
   return std::make_unique<RegisteredSampler>(kind, std::move(complete));
 }
 
+std::unique_ptr<Sampler> make_machine_sampler(const std::string& name, SamplerSettings settings) {
+  for (const SamplerParameter& parameter : sampler_named(name).parameters)
+    if (std::string(parameter.name) == "beta_end") settings.try_emplace("beta_end", 1.0);
+  return make_sampler(name, settings);
+}
+
 SampleSet WithStandIn::sample(const Problem& problem, const SampleRequest& request) const {
   if (!stood_in()) {
     try {

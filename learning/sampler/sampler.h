@@ -78,6 +78,9 @@ const SamplerKind& sampler_named(const std::string& name);
 /// sampler or a parameter that does not exist, and for values of another type or out of range.
 std::unique_ptr<Sampler> make_sampler(const std::string& name, const SamplerSettings& settings = {});
 
+/// The same for rows of a machine's problem, P ~ exp(-E): beta_end is 1 unless it is given.
+std::unique_ptr<Sampler> make_machine_sampler(const std::string& name, SamplerSettings settings = {});
+
 /// A setting that make_sampler() has checked.
 template <class T>
 const T& setting(const SamplerSettings& settings, const std::string& name) {

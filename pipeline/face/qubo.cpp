@@ -132,8 +132,8 @@ std::vector<std::string> export_problem(const ExportRequest& r) {
 SampleReport sample_file(const std::filesystem::path& problem, const std::filesystem::path& answer,
                          const Sampler& sampler, const Reads& reads) {
   return guarded([&] {
-    return report_of(outcome::sample_problem(problem, answer, *learning::make_sampler(sampler.name, sampler.settings),
-                                             request_of(reads)));
+    return report_of(outcome::sample_problem(
+        problem, answer, *outcome::sampler_for(problem, sampler.name, sampler.settings), request_of(reads)));
   });
 }
 

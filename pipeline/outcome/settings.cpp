@@ -5,6 +5,7 @@
 #include "base/files/file.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
+#include "learning/encoding/encoder.h"
 #include "learning/sampler/sampler.h"
 
 namespace gonogo::outcome {
@@ -14,12 +15,14 @@ void read_encoders(const Config& section, LearningSettings& settings) {
   for (const auto& [name, entry] : section.members()) {
     campaign::contract().variable_index(name);
     campaign::EncoderSpec spec;
-    spec.code = entry.choice("code", {"thermometer", "one_hot", "gray"});
+    spec.code = entry.choice("code", learning::code_names());
     if (entry.has("edges") && entry.has("bits")) entry.fail("edges", "say how many bins there are; leave out bits");
     if (entry.has("edges"))
       settings.edges[name] = entry.numbers("edges");
     else
-      spec.bits = int(entry.integer("bits", {.minimum = 1, .maximum = spec.code == "gray" ? 8.0 : 64.0}));
+      spec.bits = int(entry.integer(
+          "bits",
+          {.minimum = 1, .maximum = learning::has_all_words(learning::code_from_name(spec.code)) ? 8.0 : 64.0}));
     entry.finish();
     settings.encoders[name] = spec;
   }

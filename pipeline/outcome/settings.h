@@ -35,7 +35,8 @@
 //                   training/teacher.h; 0: none)
 //   bins            "range" (default) or "quantile"
 //   with            datasets of other fidelities that `gonogo run` trains on, too: named_trials()
-//   encoders        { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }; default: the
+//   encoders        { "<variable>": { "code": "thermometer" | "one_hot" | "gray" | "binary", "bits": n } }; default:
+//   the
 //                   contract's. "edges" in place of "bits" gives the inner edges of the bins [unit of the variable],
 //                   increasing
 //   emulator        of the sampler "emulator": the fields of EmulatorChoice

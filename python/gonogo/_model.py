@@ -20,18 +20,22 @@ class Answer(NamedTuple):
     """Decoded rows of an annealer or sampler.
 
     summary: reads, frequencies of outcomes with standard errors beside the machine's own probabilities, mean and spread of
-    variables, bias of the sampler. columns: name -> list over the rows: every variable in its unit, "outcome", "energy",
+    variables, bias of the sampler. columns: name -> array over the rows: every variable in its unit, "outcome", "energy",
     "occurrences", and "weight" when rows are weighed.
     """
 
     summary: dict[str, Any]
-    columns: dict[str, list[Any]]
+    columns: dict[str, NDArray[Any]]
 
     def to_pandas(self) -> "pandas.DataFrame":
         """The rows as a frame."""
         import pandas
 
         return pandas.DataFrame(self.columns)
+
+
+def _answer(summary: dict[str, Any], columns: dict[str, list[Any]]) -> Answer:
+    return Answer(summary, {name: np.asarray(column) for name, column in columns.items()})
 
 
 class Model:
@@ -118,7 +122,7 @@ class Model:
         rows: Any = sampleset  # dimod's own annotations end here
         record, vartype = rows.record, rows.vartype.name
         labels = [label if isinstance(label, (int, str)) else str(label) for label in rows.variables]
-        return Answer(*self._machine(given, vartype, code_penalty).decode(
+        return _answer(*self._machine(given, vartype, code_penalty).decode(
             vartype, labels, np.ascontiguousarray(record.sample, dtype=np.int8),
             np.ascontiguousarray(record.energy, dtype=np.float64),
             np.ascontiguousarray(record.num_occurrences, dtype=np.int64), rows.info, decoding, min_reads, min_share))
@@ -131,7 +135,7 @@ class Model:
         from larger ones with Markov chains of `sweeps` sweeps. The same arguments give the same rows.
         """
         machine = self._machine(given, "BINARY", code_penalty)
-        return Answer(*machine.sample(_core.SamplerChoice(sampler), reads, seed, sweeps, decoding))
+        return _answer(*machine.sample(_core.SamplerChoice(sampler), reads, seed, sweeps, decoding))
 
     @property
     def sampled_ranges(self) -> dict[str, tuple[float, float]]:

@@ -1,9 +1,12 @@
 """Our samplers as dimod samplers: sampler.sample(bqm), sample_ising(h, J), sample_qubo(Q).
 
-All are pure functions of problem, parameters and seed. Rows of block Gibbs, tempering and population follow
-exp(-energy) at beta_end = 1.
+All are pure functions of problem, parameters and seed. Conventions are those of Ocean: num_reads=None is 1 row, and
+without a seed every call draws a new one; info["seed"] tells it. Rows of block Gibbs, tempering and population follow
+exp(-energy) at beta_end = 1. The annealer's betas are fitted to the problem unless they are given.
 """
 import inspect
+import operator
+import secrets
 from typing import Any
 
 import dimod
@@ -29,15 +32,19 @@ class _LibrarySampler(dimod.Sampler):
     def properties(self) -> dict[str, Any]:
         return {"name": self._name, **self._options}
 
-    def sample(self, bqm: dimod.BinaryQuadraticModel, num_reads: int = 1, num_sweeps: int = 1000, seed: int = 0,
-               **parameters: Any) -> dimod.SampleSet:
-        """Draws num_reads rows, each after num_sweeps sweeps."""
+    def sample(self, bqm: dimod.BinaryQuadraticModel, num_reads: int | None = None, num_sweeps: int | None = None,
+               seed: int | None = None, **parameters: Any) -> dimod.SampleSet:
+        """Draws num_reads rows (1), each after num_sweeps sweeps (1,000)."""
         self.remove_unknown_kwargs(**parameters)
-        if not bqm.num_variables:
-            return dimod.SampleSet.from_samples_bqm(([[]] * num_reads, []), bqm)
-        values, energies, counts, info = self._draw(bqm, num_reads, num_sweeps, seed)
+        reads = _count("num_reads", num_reads, 1)
+        sweeps = _count("num_sweeps", num_sweeps, 1000)
+        start = secrets.randbits(32) if seed is None else _count("seed", seed, 0)
+        if not reads or not bqm.num_variables:
+            rows = np.empty((reads, bqm.num_variables), dtype=np.int8)
+            return dimod.SampleSet.from_samples_bqm((rows, list(bqm.variables)), bqm, info={"seed": start})
+        values, energies, counts, info = self._draw(bqm, reads, sweeps, start)
         return dimod.SampleSet.from_samples((values, list(bqm.variables)), energy=energies, num_occurrences=counts,
-                                            vartype=bqm.vartype, info=info)
+                                            vartype=bqm.vartype, info={**info, "seed": start})
 
     def _labels(self, bqm: dimod.BinaryQuadraticModel) -> list[int]:
         return list(range(bqm.num_variables))
@@ -45,6 +52,15 @@ class _LibrarySampler(dimod.Sampler):
     def _draw(self, bqm: dimod.BinaryQuadraticModel, reads: int, sweeps: int, seed: int) -> tuple[Any, Any, Any, Any]:
         problem = _problem(bqm, self._labels(bqm))
         return _core.sample(problem, self._choice, reads, seed, sweeps)
+
+
+def _count(name: str, value: int | None, default: int) -> int:
+    if value is None:
+        return default
+    count = operator.index(value)
+    if count < 0:
+        raise ValueError(f"{name} must not be negative, found {count}")
+    return count
 
 
 def _problem(bqm: dimod.BinaryQuadraticModel, labels: list[int]) -> _core.Problem:
@@ -106,6 +122,37 @@ class Emulator(_EmulatedSampler):
     """
 
 
+class Corrected(_LibrarySampler):
+    """A machine on qubits, for any problem: embedded, and corrected as the emulator so that rows follow exp(-energy).
+
+    machine: a dimod sampler of problems on the qubits of the graph, such as DWaveSampler(); parameters go to its sample().
+    Its temperature need not be known. graph: "pegasus:16", "zephyr:15", ..., or solver: a definition file of SAPI with the
+    working graph and ranges. temperature: where the search for the scale begins, in units of the fields h.
+    """
+
+    _name = "machine"
+
+    def __init__(self, machine: dimod.Sampler, graph: str = "chimera:12", dead_share: float = 0.0, dead_seed: int = 1,
+                 temperature: float = 0.2, solver: str = "", **parameters: Any) -> None:
+        self._machine, self._parameters = machine, parameters
+        self._options = {"graph": graph, "dead_share": dead_share, "dead_seed": dead_seed, "temperature": temperature,
+                         "solver": solver}
+        self._device = _core.Device(graph, dead_share, dead_seed, temperature, False, solver)
+
+    def _draw(self, bqm: dimod.BinaryQuadraticModel, reads: int, sweeps: int, seed: int) -> tuple[Any, Any, Any, Any]:
+        return _core.sample_corrected(_problem(bqm, self._labels(bqm)), self._device, self._spins, reads, seed, sweeps)
+
+    def _spins(self, labels: list[int], linear: Any, first: Any, second: Any, coupling: Any, offset: float, reads: int,
+               seed: int) -> Any:
+        """Rows of the machine [reads, qubit]."""
+        bqm = dimod.BinaryQuadraticModel.from_numpy_vectors(linear, (first, second, coupling), offset, "SPIN",
+                                                            variable_order=labels)
+        seeded = {"seed": seed % 2**31} if "seed" in self._machine.parameters else {}
+        rows: Any = self._machine.sample(bqm, num_reads=reads, **{**seeded, **self._parameters})
+        spins = rows.samples(sorted_by=None)[:, labels]
+        return np.ascontiguousarray(np.repeat(spins, rows.record.num_occurrences, axis=0), dtype=np.int8)
+
+
 class StructuredEmulator(_EmulatedSampler, dimod.Structured):
     """The same machine as its clients see it: labels are qubits, biases lie in its ranges, nothing is corrected."""
 
@@ -126,8 +173,8 @@ class StructuredEmulator(_EmulatedSampler, dimod.Structured):
         return self._edgelist
 
     @dimod.bqm_structured
-    def sample(self, bqm: dimod.BinaryQuadraticModel, num_reads: int = 1, num_sweeps: int = 1000, seed: int = 0,
-               **parameters: Any) -> dimod.SampleSet:
+    def sample(self, bqm: dimod.BinaryQuadraticModel, num_reads: int | None = None, num_sweeps: int | None = None,
+               seed: int | None = None, **parameters: Any) -> dimod.SampleSet:
         """Programs the machine once and reads num_reads rows."""
         return super().sample(bqm, num_reads, num_sweeps, seed, **parameters)
 

@@ -14,8 +14,8 @@ from ._training import _with_torch
 class RbmClassifier(ClassifierMixin, BaseEstimator):
     """A restricted Boltzmann machine for P(class | features), with NaN for unknown features.
 
-    Every feature is encoded in `bins` bins of equally many rows: "thermometer", "one_hot" or "gray". fit() needs a build
-    with LibTorch; predict_proba() does not. The same rows, parameters and random_state give the same bits.
+    Every feature is encoded in `bins` bins of equally many rows: "thermometer", "one_hot", "gray" or "binary". fit() needs
+    a build with LibTorch; predict_proba() does not. The same rows, parameters and random_state give the same bits.
     """
 
     def __init__(self, hidden: int = 8, *, bins: int = 8, code: str = "thermometer", epochs: int = 100,

@@ -163,7 +163,7 @@ Decoded decode(const outcome::MachineProblem& machine, const std::string& vartyp
 Decoded sample_machine(const outcome::MachineProblem& machine, const SamplerChoice& choice, std::size_t reads,
                        std::uint64_t seed, std::size_t sweeps, const std::string& decoding) {
   const learning::SampleSet rows = long_call([&] {
-    const auto sampler = learning::make_sampler(choice.name, choice.settings);
+    const auto sampler = learning::make_machine_sampler(choice.name, choice.settings);
     return sampler->sample(machine.problem, {.reads = reads, .seed = seed, .sweeps = sweeps});
   });
   return decoded(machine, rows, decode_settings(decoding, 0, 0));
@@ -181,6 +181,51 @@ Rows sample_emulated(const ProblemArrays& arrays, const outcome::DeviceChoice& d
   return rows_of(std::move(rows), outcome::to_json(report));
 }
 
+/// A machine on qubits that Python reaches. draw(labels, linear, first, second, coupling, offset, reads, seed) gives
+/// the spins of a SPIN problem [reads, variable].
+class PythonMachine final : public learning::Sampler {
+ public:
+  explicit PythonMachine(nb::callable draw) : draw_(std::move(draw)) {}
+  ~PythonMachine() override {
+    const nb::gil_scoped_acquire held;
+    draw_.reset();
+  }
+  std::string name() const override { return "machine"; }
+  learning::SampleSet sample(const learning::Problem& problem, const learning::SampleRequest& request) const override {
+    const nb::gil_scoped_acquire held;
+    std::vector<std::int64_t> labels;
+    for (const learning::Label& label : problem.labels) labels.push_back(std::get<std::int64_t>(label));
+    std::vector<std::uint32_t> first, second;
+    std::vector<double> value;
+    for (const learning::Coupling& c : problem.couplings) {
+      first.push_back(c.a);
+      second.push_back(c.b);
+      value.push_back(c.value);
+    }
+    const auto spins = nb::cast<ArrayIn<std::int8_t, 2>>(
+        draw_(labels, array_of(std::vector<double>(problem.linear)), array_of(std::move(first)),
+              array_of(std::move(second)), array_of(std::move(value)), problem.offset, request.reads, request.seed));
+    if (spins.shape(0) != request.reads || spins.shape(1) != problem.variable_count())
+      throw InputError("machine: " + std::to_string(spins.shape(0)) + " rows of " + std::to_string(spins.shape(1)) +
+                       " qubits came back where " + std::to_string(request.reads) + " of " +
+                       std::to_string(problem.variable_count()) + " were asked for");
+    learning::SampleSet rows{.vartype = problem.vartype, .labels = problem.labels};
+    rows.values.assign(spins.data(), spins.data() + spins.size());
+    rows.occurrences.assign(request.reads, 1);
+    for (std::size_t r = 0; r < request.reads; ++r) rows.energies.push_back(learning::energy(problem, rows.row(r)));
+    return rows;
+  }
+
+ private:
+  nb::callable draw_;
+};
+
+Rows sample_corrected(const ProblemArrays& arrays, outcome::DeviceChoice device, nb::callable draw, std::size_t reads,
+                      std::uint64_t seed, std::size_t sweeps) {
+  device.machine = std::make_shared<PythonMachine>(std::move(draw));
+  return sample_emulated(arrays, device, reads, seed, sweeps);
+}
+
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 std::tuple<std::vector<std::uint32_t>, Pairs> graph_of(const outcome::DeviceChoice& device) {
@@ -194,17 +239,20 @@ void bind_emulator(nb::module_& m) {
       .def(
           "__init__",
           [](outcome::DeviceChoice* self, const std::string& graph, double dead_share, std::uint64_t dead_seed,
-             double temperature, bool as_programmed) {
+             double temperature, bool as_programmed, const std::string& solver) {
             new (self) outcome::DeviceChoice;
             self->graph.name = graph;
+            self->graph.solver = solver;
             self->graph.dead_share = dead_share;
             self->graph.dead_seed = dead_seed;
             self->temperature = temperature;
             self->as_programmed = as_programmed;
           },
-          "graph"_a, "dead_share"_a, "dead_seed"_a, "temperature"_a, "as_programmed"_a);
+          "graph"_a, "dead_share"_a, "dead_seed"_a, "temperature"_a, "as_programmed"_a, "solver"_a = "");
   m.def("sample_emulated", &sample_emulated, "problem"_a, "device"_a, "reads"_a, "seed"_a, "sweeps"_a,
         "Rows of the device, as sample() gives them. The information says what was corrected.");
+  m.def("sample_corrected", &sample_corrected, "problem"_a, "device"_a, "draw"_a, "reads"_a, "seed"_a, "sweeps"_a,
+        "The same of a machine that draw(labels, linear, first, second, coupling, offset, reads, seed) reaches.");
   m.def("graph_of", &graph_of, "device"_a, "Qubits and couplers.");
 }
 

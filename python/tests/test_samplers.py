@@ -55,6 +55,55 @@ def test_same_seed_same_rows():
     assert not np.array_equal(one.record.sample, other.record.sample)
 
 
+@pytest.mark.parametrize("sampler", [*SAMPLERS, samplers.StructuredEmulator])
+def test_conventions_of_ocean(sampler):
+    bqm = dimod.BinaryQuadraticModel.from_ising({0: 0.3, 96: -0.2}, {})  # qubits of a C12
+    draw = (sampler(beta_end=1) if sampler is samplers.Annealer else sampler()).sample  # fitted betas find one row alone
+    assert len(draw(bqm, num_reads=None, num_sweeps=None, seed=None)) == 1
+    empty = draw(bqm, num_reads=0)
+    assert len(empty) == 0 and list(empty.variables) == [0, 96]
+    one, two = (draw(bqm, num_reads=64, num_sweeps=60) for _ in range(2))
+    assert one.info["seed"] != two.info["seed"]
+    assert not np.array_equal(one.record.sample, two.record.sample)
+    again = draw(bqm, num_reads=64, num_sweeps=60, seed=one.info["seed"])
+    assert np.array_equal(one.record.sample, again.record.sample)
+    for wrong in ({"num_reads": -1}, {"seed": -1}):
+        with pytest.raises(ValueError, match="must not be negative"):
+            draw(bqm, **wrong)
+
+
+def test_annealer_fits_its_betas_and_says_them():
+    bqm = dimod.generators.gnp_random_bqm(12, 0.5, "SPIN", random_state=2)
+    lowest = dimod.ExactSolver().sample(bqm).first.energy
+    for scale in (1e-6, 1.0, 1e6):
+        scaled = bqm.copy()
+        scaled.scale(scale)
+        rows = samplers.Annealer().sample(scaled, num_reads=50, num_sweeps=200, seed=1)
+        assert rows.first.energy == pytest.approx(scale * lowest)
+        assert 0 < rows.info["beta_start"] < rows.info["beta_end"]
+
+
+@pytest.mark.parametrize("graph, temperature", [("pegasus:3", 0.05), ("zephyr:2", 0.3)])
+def test_corrected_machine_of_unknown_temperature(graph, temperature):
+    bqm = dimod.BinaryQuadraticModel({"a": 0.4, "b": -0.7, "c": 0.2, "d": 0.1}, {"ac": -0.9, "bc": 0.6, "ad": 0.5, "bd": -0.8},
+                                     0.3, "SPIN")
+    exact = dimod.ExactSolver().sample(bqm)
+    weight = np.exp(-exact.record.energy)
+    mean = (weight / weight.sum()) @ exact.samples(sorted_by=None)[:, list("abcd")]
+
+    class Machine(samplers.Annealer):  # tells nobody its temperature
+        def sample(self, problem, **parameters):
+            assert max(map(abs, problem.quadratic.values())) <= 1
+            return super().sample(problem, **parameters)
+
+    machine = Machine(beta_end=1 / temperature)
+    rows = samplers.Corrected(machine, graph, num_sweeps=100).sample(bqm, num_reads=4000, seed=3)
+    assert rows.info["correction"]["scale"] == pytest.approx(temperature, rel=0.3)
+    assert rows.samples(sorted_by=None)[:, list("abcd")].mean(axis=0) == pytest.approx(mean, abs=0.06)
+    assert np.array_equal(rows.record.sample,
+                          samplers.Corrected(machine, graph, num_sweeps=100).sample(bqm, num_reads=4000, seed=3).record.sample)
+
+
 def test_emulator_finds_the_ground_state_of_a_small_glass():
     bqm = dimod.generators.gnp_random_bqm(8, 0.6, "SPIN", random_state=1)
     lowest = dimod.ExactSolver().sample(bqm).first.energy

@@ -4,8 +4,10 @@
 
 #include "base/files/file.h"
 #include "base/hdf5/hdf5.h"
+#include "learning/model/model.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 
 namespace gonogo {
@@ -49,6 +51,31 @@ TEST_CASE("gonogo sample from the prior agrees with gonogo infer") {
   REQUIRE(rows.exit_code == 0);
   const double own = Json::parse(infer.out, "stdout").at("p_go").number();
   CHECK(Json::parse(rows.out, "stdout").at("p_go").number() == Approx(own).margin(0.04));
+}
+
+TEST_CASE("sample and qubo export warn of a joint distribution that is not the trials', in one sentence") {
+  const TemporaryFolder folder;
+  learning::Model model = learning::read_model(GONOGO_SOURCE_DIR "/data/quarter_wheel_90mm/model.h5");
+  const auto commands = [&](const std::string& file) {
+    return std::vector<std::vector<std::string>>{
+        {"sample", "--model", file, "--rows", "200", "--out", folder / "rows.csv"},
+        {"qubo", "export", "--model", file, "--out", folder / "problem.json"},
+        {"sample", "--model", file, "--rows", "200", "--from", "prior", "--out", folder / "rows.csv"}};
+  };
+  const auto warnings = [&](double auc) {  // of all three commands
+    model.provenance["joint"]["auc_values"] = auc;
+    learning::write_model(folder / "model.h5", model);
+    std::vector<bool> found;
+    for (const std::vector<std::string>& command : commands(folder / "model.h5")) {
+      const Ending ending = run_gonogo(command);
+      REQUIRE(ending.exit_code == 0);
+      found.push_back(contains(ending.out, "the machine's joint distribution is not that of its trials"));
+      if (found.back()) CHECK(contains(ending.out, "an AUC of 0.91"));
+    }
+    return found;
+  };
+  CHECK(warnings(0.91) == std::vector<bool>{true, true, false});  // rows of the prior are not the machine's
+  CHECK(warnings(0.4) == std::vector<bool>{false, false, false});
 }
 
 TEST_CASE("gonogo sample refuses bad input in one sentence and writes nothing") {

@@ -76,7 +76,7 @@ def ours(gonogo, bqm, sweeps):
     with open("problem.json", "w") as file:
         json.dump(bqm.to_serializable(), file)
     start = cpu_of_children()
-    subprocess.run([gonogo, "qubo", "sample", "problem.json", "--sampler", "anneal", "--beta-start", str(BETAS[0]),
+    subprocess.run([gonogo, "qubo", "sample", "problem.json", "--sampler", "anneal", "--schedule", "linear", "--beta-start", str(BETAS[0]),
                     "--beta", str(BETAS[1]), "--reads", str(READS), "--sweeps", str(sweeps), "--seed", str(SEED),
                     "--out", "answer.json"], check=True, stdout=subprocess.DEVNULL)
     used = cpu_of_children() - start

@@ -23,7 +23,7 @@ std::vector<Bit> word(const Encoder& encoder, int bin) {
 }  // namespace
 
 TEST_CASE("every code has an exact inverse and code words that differ") {
-  const Code code = GENERATE(Code::thermometer, Code::one_hot, Code::gray);
+  const Code code = GENERATE(Code::thermometer, Code::one_hot, Code::gray, Code::binary);
   const Encoder encoder = Encoder::by_range("slope", "deg", code, 8, -10, 30);
   std::set<std::string> words;  // GCC 12 warns falsely about a set of vectors of bytes
   for (int bin = 0; bin < 8; ++bin) {
@@ -52,6 +52,16 @@ TEST_CASE("neighbouring bins differ in one unit of a thermometer or Gray code") 
   }
 }
 
+TEST_CASE("a binary code is linear in the value, also between the middles of bins") {
+  const Encoder encoder = Encoder::by_range("x", "-", Code::binary, 16, 0, 16);
+  std::vector<double> units(4);
+  for (double x = 0.5; x <= 15.5; x += 0.1) {
+    encoder.encode_smooth(x, units);
+    CHECK(units[0] + 2 * units[1] + 4 * units[2] + 8 * units[3] == Approx(x - 0.5).margin(1e-12));
+  }
+  CHECK_THROWS_AS(Encoder::by_range("x", "-", Code::binary, 12, 0, 3), InputError);
+}
+
 TEST_CASE("a value comes back within the stated resolution") {
   const Encoder encoder = Encoder::by_edges("cohesion", "kPa", Code::thermometer, {1, 3, 10, 40}, 0, 100);
   for (double x = 0; x <= 100; x += 0.37) {
@@ -75,7 +85,7 @@ TEST_CASE("units that are no code word are refused or repaired as stated") {
 }
 
 TEST_CASE("smooth codes equal code words at the middles of bins and are continuous between") {
-  const Code code = GENERATE(Code::thermometer, Code::one_hot, Code::gray);
+  const Code code = GENERATE(Code::thermometer, Code::one_hot, Code::gray, Code::binary);
   const Encoder encoder = Encoder::by_range("x", "-", code, 8, 2, 10);
   std::vector<double> units(encoder.unit_count()), before;
   for (int bin = 0; bin < 8; ++bin) {
@@ -110,6 +120,19 @@ TEST_CASE("quantile bins hold equally many values, and repeated values make fewe
   for (int i = 0; i < 100; ++i) ++count[std::size_t(encoder.bin_of(i * i))];
   CHECK(count == std::vector<int>{25, 25, 25, 25});
   CHECK(Encoder::by_quantile("x", "-", Code::thermometer, 4, {1, 1, 1, 1, 1, 1, 2, 2}).bin_count() == 2);
+  std::vector<double> rare(1000, 0.0);
+  rare[17] = rare[400] = 1;
+  for (const Code code : {Code::thermometer, Code::one_hot, Code::gray, Code::binary}) {
+    const Encoder flag = Encoder::by_quantile("x", "-", code, 8, rare);
+    CHECK(flag.bin_count() == 2);
+    CHECK(flag.unit_count() > 0);
+    CHECK(flag.bin_of(0) == 0);
+    CHECK(flag.bin_of(1) == 1);
+  }
+  std::vector<double> middle(100, 5.0);  // most values equal, some on either side
+  middle[0] = 1;
+  middle[1] = 9;
+  CHECK(Encoder::by_quantile("x", "-", Code::thermometer, 4, middle).edges() == std::vector<double>{3, 7});
   CHECK(Encoder::by_quantile("x", "-", Code::gray, 8, {1, 2, 3, 4, 5, 6}).bin_count() == 4);
   CHECK(Encoder::by_quantile("x", "-", Code::thermometer, 4, {3, 3, 3}).unit_count() == 0);
 }

@@ -96,7 +96,7 @@ TEST_CASE("samplers on C4, 128 qubits, against its junction tree") {
   const ExactMoments exact = exact_moments(problem);
   for (const char* name : {"exact", "block_gibbs", "anneal", "tempering"}) {
     const std::size_t reads = name == std::string("exact") ? 1000 : 500;
-    const SampleSet rows = make_sampler(name)->sample(problem, {.reads = reads, .seed = 5, .sweeps = 120});
+    const SampleSet rows = make_machine_sampler(name)->sample(problem, {.reads = reads, .seed = 5, .sweeps = 120});
     const Scores scores = moment_scores(rows, problem, exact);
     std::printf("C4 %s: %zu moments, largest z %.2f, mean z^2 %.3f\n", name,
                 problem.variable_count() + problem.couplings.size(), scores.largest, scores.mean_square);

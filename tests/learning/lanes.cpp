@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/error.h"
 #include "learning/sampler/chains/spins.h"
 #include "learning/sampler/exact.h"
 #include "learning/sampler/sampler.h"
@@ -72,11 +73,51 @@ TEST_CASE("an annealed chain has the same bits in any company") {
   CHECK_FALSE(std::equal(many.row(0).begin(), many.row(0).end(), many.row(8).begin()));
 }
 
+TEST_CASE("fitted betas find ground states at any scale of energies, and the answer says them") {
+  Problem problem = random_spins(16, 0.5, 100, 7);
+  double lowest = INFINITY;
+  for (std::uint32_t state = 0; state < 1u << 16; ++state) {
+    std::vector<std::int8_t> row(16);
+    for (std::size_t i = 0; i < 16; ++i) row[i] = state >> i & 1 ? 1 : -1;
+    lowest = std::min(lowest, energy(problem, row));
+  }
+  SampleSet first;
+  for (const double scale : {1.0, 0x1p-20, 0x1p20}) {
+    Problem scaled = problem;
+    for (double& h : scaled.linear) h *= scale;
+    for (Coupling& c : scaled.couplings) c.value *= scale;
+    const SampleSet rows = make_sampler("anneal")->sample(scaled, {.reads = 200, .seed = 3, .sweeps = 100});
+    const auto hits = std::count_if(rows.energies.begin(), rows.energies.end(),
+                                    [&](double e) { return e <= scale * (lowest + 1e-9 * std::abs(lowest)); });
+    std::printf("scale %g: %ld of 200 rows are ground states, beta %.3g to %.3g\n", scale, long(hits),
+                rows.info.at("beta_start").number(), rows.info.at("beta_end").number());
+    CHECK(hits > 40);
+    CHECK(rows.info.at("schedule").string() == "geometric");
+    if (scale == 1) first = rows;
+    CHECK(rows.values == first.values);  // powers of two: the same numbers but for their exponents
+    CHECK(rows.info.at("beta_end").number() * scale == Approx(first.info.at("beta_end").number()).epsilon(1e-12));
+  }
+  for (double& h : problem.linear) h *= 0x1p-20;
+  for (Coupling& c : problem.couplings) c.value *= 0x1p-20;
+  const SampleSet raw = make_sampler("anneal", {{"beta_start", 0.1}, {"beta_end", 1.0}})
+                            ->sample(problem, {.reads = 200, .seed = 3, .sweeps = 100});
+  CHECK(std::count_if(raw.energies.begin(), raw.energies.end(), [&](double e) {
+          return e <= 0x1p-20 * (lowest + 1e-9 * std::abs(lowest));
+        }) < 10);  // betas in raw units are far too hot here
+  // Weak fields on one spin alone: half of the flips are accepted first, one row in a hundred is turned at the end.
+  Problem one = random_spins(1, 0, 1, 1);
+  one.linear = {0.25};
+  const SampleSet rows = make_sampler("anneal")->sample(one, {.reads = 20'000, .seed = 1, .sweeps = 4});
+  CHECK(rows.info.at("beta_start").number() == Approx(std::log(2) / 0.5));
+  CHECK(std::count(rows.values.begin(), rows.values.end(), 1) == Approx(200).margin(60));
+  CHECK_THROWS_AS(make_sampler("anneal", {{"schedule", std::string("cubic")}})->sample(one, {}), InputError);
+}
+
 TEST_CASE("moments of annealed rows are exact within their errors") {
   const Problem problem = random_spins(14, 0.4, 0.7, 2);
   for (const double start : {0.05, 1.0}) {
-    const SampleSet rows =
-        make_sampler("anneal", {{"beta_start", start}})->sample(problem, {.reads = 20'000, .seed = 4, .sweeps = 200});
+    const SampleSet rows = make_machine_sampler("anneal", {{"beta_start", start}})
+                               ->sample(problem, {.reads = 20'000, .seed = 4, .sweeps = 200});
     const double worst = largest_z(problem, rows);
     std::printf("anneal from beta %.2f: largest z of %zu moments %.2f\n", start,
                 problem.variable_count() + problem.couplings.size(), worst);
@@ -100,7 +141,7 @@ TEST_CASE("terms that 24 bits would lose beside a penalty are sampled right") {
   std::sort(problem.couplings.begin(), problem.couplings.end(),
             [](const Coupling& x, const Coupling& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
   CHECK_FALSE(single_precision_holds(SpinGraph(problem), 1));
-  const SampleSet rows = make_sampler("anneal")->sample(problem, {.reads = 10'000, .seed = 4, .sweeps = 200});
+  const SampleSet rows = make_machine_sampler("anneal")->sample(problem, {.reads = 10'000, .seed = 4, .sweeps = 200});
   SampleSet free;
   free.vartype = Vartype::spin;
   free.labels = small.labels;

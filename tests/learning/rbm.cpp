@@ -104,6 +104,36 @@ TEST_CASE("the gradient equals finite differences of the objective, also with un
             .epsilon(1e-10));
 }
 
+TEST_CASE("the prior on weights is one of functions of the value, whatever the code") {
+  const std::size_t hidden = 3;
+  TrainingTable table;
+  table.variable_count = 1;
+  table.variables = {3.2, 0.4};
+  table.outcome = {0, 1};
+  table.weight = {1, 1};
+  table.group = {0, 1};
+  TrainingSettings settings;
+  settings.hidden = hidden;
+  settings.generative = 0;
+  settings.discriminative = 1e-12;  // nearly the prior alone
+  settings.weight_decay = 1.7;
+  // f_j(bin) rises by steps a_j: one weight for each edge of a thermometer, 2^k a_j for unit k of a binary code.
+  const std::vector<double> rise = {0.3, -0.8, 0.5};
+  const auto prior = [&](Code code) {
+    const VisibleLayout layout({Encoder::by_range("x", "-", code, 8, 0, 8)}, {"go", "no"});
+    RbmWeights weights = RbmWeights::zeros(layout.unit_count(), hidden);
+    for (std::size_t k = 0; k < layout.input_unit_count(); ++k)
+      for (std::size_t j = 0; j < hidden; ++j)
+        weights.weight[k * hidden + j] = rise[j] * (code == Code::binary ? double(1 << k) : 1);
+    weights.weight.back() = 0.4;
+    return training_objective(weights, layout, table, settings, {}).value;
+  };
+  double expected = 0.4 * 0.4;
+  for (const double a : rise) expected += 7 * a * a;
+  CHECK(prior(Code::thermometer) == Approx(1.7 / 4 * expected).epsilon(1e-10));
+  CHECK(prior(Code::binary) == Approx(1.7 / 4 * expected).epsilon(1e-10));
+}
+
 TEST_CASE("persistent chains reach the maximum likelihood of a tiny problem") {
   // Even parity of three bits beside a copy of the first: 8 patterns of equal probability, entropy log 8; an
   // independent model cannot beat 4 log 2.

@@ -183,7 +183,7 @@ TEST_CASE("annealers' rows follow the exact distribution, also on frustrated pro
   for (Coupling& c : problem.couplings) c.value *= 2.5;
   SamplerSettings settings;
   if (name == "anneal at fixed beta") settings["beta_start"] = 1.0;
-  const auto sampler = make_sampler(name == "anneal at fixed beta" ? "anneal" : name, settings);
+  const auto sampler = make_machine_sampler(name == "anneal at fixed beta" ? "anneal" : name, settings);
   double log_z = 0;
   const std::vector<double> p = brute_force(problem, log_z);
   const std::size_t reads = 10000;

@@ -56,6 +56,18 @@ RbmWeights random_machine(std::size_t visible, std::size_t hidden, double size, 
   return machine;
 }
 
+/// Largest error of a pair moment.
+double worst_moment(const Problem& problem, const SampleSet& rows, const ExactMoments& exact) {
+  double worst = 0;
+  for (std::size_t k = 0; k < problem.couplings.size(); ++k) {
+    double sum = 0;
+    for (std::size_t r = 0; r < rows.row_count(); ++r)
+      sum += rows.row(r)[problem.couplings[k].a] * rows.row(r)[problem.couplings[k].b];
+    worst = std::max(worst, std::abs(sum / double(rows.row_count()) - exact.pair_mean[k]));
+  }
+  return worst;
+}
+
 std::vector<std::string> names(std::size_t count) {
   std::vector<std::string> result;
   for (std::size_t i = 0; i < count; ++i) result.push_back("v" + std::to_string(i));
@@ -150,6 +162,57 @@ TEST_CASE("every thermometer brings a device of unknown temperature to beta = 1"
     CHECK(beta == Approx(1).margin(0.1));
   }
   refused([] { thermometer_named("mercury"); }, "pseudo_likelihood");
+}
+
+TEST_CASE("one corrected annealer serves any machine, whatever its graph, scale and temperature") {
+  // The machine is not the emulator: it states no temperature, and refuses what lies beyond its ranges.
+  class Machine final : public Sampler {
+   public:
+    Machine(double temperature, const CoefficientRanges& ranges) : device_(0, temperature), ranges_(ranges) {}
+    std::string name() const override { return "machine"; }
+    SampleSet sample(const Problem& problem, const SampleRequest& request) const override {
+      check_ranges(problem, ranges_);
+      return device_.sample(problem, request);
+    }
+
+   private:
+    WarmDevice device_;
+    CoefficientRanges ranges_;
+  };
+  const Problem problem = to_ising(to_qubo(random_machine(6, 5, 1.5, 4), names(6)));
+  const ExactMoments exact = exact_moments(problem);
+  const SampleRequest request{.reads = 2000, .seed = 5, .sweeps = 300};
+  struct Case {
+    const char* graph;
+    double temperature, unit;  // of the machine's energies: ranges are those of a 2X times this
+  };
+  for (const Case& c : {Case{"pegasus:3", 0.03, 1.0}, Case{"zephyr:2", 0.3, 1.0}, Case{"zephyr:2", 1.2, 4.0}}) {
+    const HardwareGraph graph = graph_named(c.graph);
+    CoefficientRanges ranges;
+    for (double* end : {&ranges.h_low, &ranges.h_high, &ranges.j_low, &ranges.j_high}) *end *= c.unit;
+    const auto machine = std::make_shared<Machine>(c.temperature, ranges);
+    CorrectionSettings settings;
+    settings.ranges = ranges;
+    const Embedding embedding = embed(graph, problem, "auto");
+    Correction left;
+    const SampleSet rows = CorrectedAnnealer(machine, graph, embedding, settings).sample(problem, request, left);
+    const double worst = worst_moment(problem, rows, exact);
+    CHECK(left.beta == Approx(1).margin(0.06));
+    CHECK(left.use.scale == Approx(c.temperature).epsilon(0.25));
+    CHECK(worst < 0.15);  // chains that freeze before the machine is cold leave a part
+    // Without correction the rows are at the machine's temperature.
+    AnnealerSettings plain;
+    plain.ranges = ranges;
+    plain.scale = 0.2;
+    plain.chain_coupling = c.unit;
+    const SampleSet raw = AnnealerSampler(machine, graph, embedding, 11, plain).sample(problem, request);
+    const double uncorrected = worst_moment(problem, raw, exact);
+    std::printf(
+        "%s at temperature %.2f, unit %.0f: scale %.3f, chains %.2f, beta %.3f, worst moment off by %.3f, raw %.3f\n",
+        c.graph, c.temperature, c.unit, left.use.scale, left.chain_coupling, left.beta, worst, uncorrected);
+    CHECK(std::abs(pseudo_likelihood_beta(problem, raw).beta - 1) > 0.25);
+    CHECK(uncorrected > 1.5 * worst);
+  }
 }
 
 TEST_CASE("rows through chains and gauges have the moments of the problem itself") {

@@ -61,8 +61,9 @@ std::string upper(std::string text) {
 }
 
 /// Adds an option whose value goes into `given` under the parameter's name; `names`: the samplers that have it.
+/// `fallback`: the number that all of them take without it; none if they differ.
 void add_setting(CLI::App* command, const learning::SamplerParameter& parameter, const std::string& names,
-                 SamplerSettings& given) {
+                 const std::string& fallback, SamplerSettings& given) {
   const std::string name = parameter.name, help = names + ": " + parameter.help;
   const auto keep = [&given, name](const auto& value) { given[name] = value; };
   if (std::holds_alternative<bool>(parameter.fallback)) {
@@ -72,8 +73,8 @@ void add_setting(CLI::App* command, const learning::SamplerParameter& parameter,
     command->add_option_function<std::int64_t>(parameter.option, keep, help)
         ->type_name("UINT")
         ->default_str(std::to_string(*whole));
-  } else if (const auto* number = std::get_if<double>(&parameter.fallback)) {
-    command->add_option_function<double>(parameter.option, keep, help)->default_str(number_text(*number));
+  } else if (std::holds_alternative<double>(parameter.fallback)) {
+    command->add_option_function<double>(parameter.option, keep, help)->default_str(fallback);
   } else if (std::holds_alternative<std::string>(parameter.fallback)) {
     command->add_option_function<std::string>(parameter.option, keep, help)->type_name(upper(name));
   } else {
@@ -84,15 +85,19 @@ void add_setting(CLI::App* command, const learning::SamplerParameter& parameter,
 /// An option for every parameter of the samplers; those of one name are one option.
 void add_settings(CLI::App* command, SamplerSettings& given) {
   std::vector<const learning::SamplerParameter*> parameters;
-  std::map<std::string, std::string> names;
+  std::map<std::string, std::string> names, fallback;
   for (const learning::SamplerKind* kind : learning::samplers())
     for (const learning::SamplerParameter& parameter : kind->parameters) {
       std::string& list = names[parameter.name];
       if (list.empty()) parameters.push_back(&parameter);
       list += (list.empty() ? "" : ", ") + std::string(kind->name);
+      const auto* number = std::get_if<double>(&parameter.fallback);
+      const std::string text = number ? number_text(*number) : "";
+      if (const auto [other, is_new] = fallback.try_emplace(parameter.name, text); !is_new && other->second != text)
+        other->second = "";
     }
   for (const learning::SamplerParameter* parameter : parameters)
-    add_setting(command, *parameter, names[parameter->name], given);
+    add_setting(command, *parameter, names[parameter->name], fallback[parameter->name], given);
 }
 
 /// The sampler with those of the given settings that it has.
@@ -100,17 +105,29 @@ std::unique_ptr<learning::Sampler> chosen_sampler(const QuboOptions& options) {
   SamplerSettings own;
   for (const learning::SamplerParameter& parameter : learning::sampler_named(options.sampler).parameters)
     if (const auto given = options.sampling.find(parameter.name); given != options.sampling.end()) own.insert(*given);
-  return learning::make_sampler(options.sampler, own);
+  return outcome::sampler_for(options.problem, options.sampler, own, options.in);
+}
+
+/// Whether the program's answers are corrected: where a graph is given it is a machine on qubits.
+bool is_machine(const CLI::App& command, const QuboOptions& options) {
+  return options.sampler == "command" && !options.device.as_programmed &&
+         (command.count("--graph") > 0 || command.count("--on-solver") > 0);
 }
 
 void add_sampler_options(CLI::App* command, const SharedQubo& options) {
   add_settings(command, options->sampling);
-  command->add_option("--temperature", options->device.temperature, "emulator: effective temperature")
+  command
+      ->add_option("--temperature", options->device.temperature,
+                   "emulator: effective temperature; machine: where the search for its scale begins")
       ->capture_default_str();
-  add_named(*command, "--graph", options->device.graph.name, "GRAPH", "emulator: its graph, as for gonogo qubo embed")
+  add_named(*command, "--graph", options->device.graph.name, "GRAPH",
+            "emulator: its graph, as for gonogo qubo embed; command: the program is a machine with this graph, whose "
+            "answers are corrected as the emulator's")
       ->capture_default_str();
+  add_named(*command, "--on-solver", options->device.graph.solver, kFile,
+            "Solver definition (JSON) with graph and ranges in place of --graph");
   add_number(*command, "--post-sweeps", options->device.post_sweeps, {0, 1000000},
-             "emulator: sweeps of block Gibbs on the host, from the device's rows");
+             "emulator, machine: sweeps of block Gibbs on the host, from the device's rows");
   command->add_flag("--as-programmed", options->device.as_programmed,
                     "emulator: correct nothing; the problem must be on its qubits");
   add_number(*command, "--dead-share", options->device.graph.dead_share, {0.0, 0.5}, "emulator: share of dead qubits");
@@ -194,17 +211,21 @@ void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& global
                {"gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json",
                 "gonogo qubo sample problem.json --sampler command --out answer.json -- \\\n"
                 "      python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --sampler annealer"});
-  command->callback([options, &globals] {
+  command->callback([options, command, &globals] {
     learning::SampleRequest request;
     request.reads = options->reads;
     request.sweeps = options->sweeps;
     request.seed = options->seed;
+    if (is_machine(*command, *options)) options->device.machine = chosen_sampler(*options);
     const outcome::SampleReport report =
-        options->sampler == learning::kEmulator
+        options->sampler == learning::kEmulator || options->device.machine
             ? outcome::sample_emulated(options->problem, options->out, options->device, request, options->in)
             : outcome::sample_problem(options->problem, options->out, *chosen_sampler(*options), request, options->in);
     std::string text = options->out + line(": %zu rows, mean energy %.6g, lowest %.6g\n", options->reads,
                                            report.energy_mean, report.energy_lowest);
+    if (!report.anneal.is_null())
+      text += line("annealed from beta %.4g to %.4g, %s\n", report.anneal.at("beta_start").number(),
+                   report.anneal.at("beta_end").number(), report.anneal.at("schedule").string().c_str());
     if (report.correction) text += correction_text(*report.correction);
     print_result(globals, outcome::to_json(report), text);
   });

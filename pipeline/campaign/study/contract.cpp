@@ -53,7 +53,7 @@ std::size_t position(const Table& table, const std::string& name, const std::str
 
 EncoderSpec read_encoder(const Config& config) {
   EncoderSpec encoder;
-  encoder.code = config.choice("code", {"thermometer", "one_hot", "gray"});
+  encoder.code = config.choice("code", {"thermometer", "one_hot", "gray", "binary"});
   encoder.bits = int(config.integer("bits", {.minimum = 1, .maximum = 64}));
   config.finish();
   return encoder;

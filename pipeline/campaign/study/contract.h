@@ -11,7 +11,7 @@
 namespace gonogo::campaign {
 
 struct EncoderSpec {
-  std::string code;  // "thermometer", "one_hot" or "gray"
+  std::string code;  // "thermometer", "one_hot", "gray" or "binary"
   int bits = 0;
 };
 

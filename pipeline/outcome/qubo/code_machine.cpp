@@ -1,11 +1,9 @@
 #include "pipeline/outcome/qubo/code_machine.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
-#include "base/math/random.h"
 #include "base/parallel/host_loop.h"
 
 namespace gonogo::outcome {
@@ -13,15 +11,6 @@ namespace {
 
 constexpr std::size_t kMaxHidden = 16;        // 2^16 rows take half a second
 constexpr std::size_t kMaxCoupledUnits = 12;  // of a penalised group: all its words are listed
-
-double log_sum(std::span<const double> x) {
-  const double highest = *std::max_element(x.begin(), x.end());
-  double sum = 0;
-  for (double value : x) sum += std::exp(value - highest);
-  return highest + std::log(sum);
-}
-
-double softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
 std::vector<CodeGroup> groups_of(const learning::Problem& problem, const learning::VisibleLayout& layout) {
   std::map<std::string, std::uint32_t> place;
@@ -118,28 +107,28 @@ double CodeMachine::log_all_words(const CodeGroup& group, std::span<const double
       std::any_of(group.unit.begin(), group.unit.end(), [&](std::uint32_t unit) { return !inside_[unit].empty(); });
   if (!coupled) {
     double sum = 0;
-    for (double f : field) sum += softplus(-f);
+    for (double f : field) sum += learning::softplus(-f);
     return sum;
   }
   std::vector<double> log_weight;
   for (std::size_t bits = 0; bits < std::size_t(1) << field.size(); ++bits)
     log_weight.push_back(-word_energy(group, field, [&](std::size_t k) { return (bits >> k & 1) != 0; }));
-  return log_sum(log_weight);
+  return learning::log_sum_exp(log_weight);
 }
 
-CodeMachine::Given CodeMachine::given(std::span<const std::int8_t> row, double beta) const {
+CodeMachine::Given CodeMachine::given(std::span<const std::int8_t> row) const {
   Given result;
   for (std::uint32_t h : hidden_)
-    if (row[h] > 0) result.log_words -= beta * problem_.linear[h];
+    if (row[h] > 0) result.log_words -= problem_.linear[h];
   result.log_all = result.log_words;
   for (const CodeGroup& group : groups_) {
     const std::vector<double> field = fields(group, row);
     std::vector<double> log_word;
     for (const auto& word : group.word)
-      log_word.push_back(-beta * word_energy(group, field, [&](std::size_t k) { return word[k] != 0; }));
-    const double words = log_sum(log_word);
+      log_word.push_back(-word_energy(group, field, [&](std::size_t k) { return word[k] != 0; }));
+    const double words = learning::log_sum_exp(log_word);
     result.log_words += words;
-    if (beta == 1) result.log_all += log_all_words(group, field);
+    result.log_all += log_all_words(group, field);
     auto& probability = result.probability.emplace_back();
     for (double x : log_word) probability.push_back(std::exp(x - words));
   }
@@ -179,50 +168,47 @@ std::optional<CodeMachine::Exact> CodeMachine::exact() const {
   return result;
 }
 
-template <class Uniform>
-void CodeMachine::sweep(std::span<std::int8_t> row, double beta, const Uniform& u) const {
-  const Given now = given(row, beta);
-  std::uint64_t draw = 0;
-  std::vector<double> field;
-  for (const std::uint32_t h : hidden_) field.push_back(problem_.linear[h]);
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    std::size_t bin = 0;
-    for (double left = u(draw++) - now.probability[g][0]; left >= 0 && bin + 1 < groups_[g].word.size();)
-      left -= now.probability[g][++bin];
-    for (std::size_t k = 0; k < groups_[g].unit.size(); ++k) {
-      const std::uint32_t unit = groups_[g].unit[k];
-      row[unit] = std::int8_t(groups_[g].word[bin][k]);
-      if (row[unit] > 0)
-        for (std::size_t j = 0; j < field.size(); ++j) field[j] += coupling_[unit][j];
+learning::WordMachine CodeMachine::words() const {
+  std::vector<std::size_t> lengths;
+  std::vector<double> word_bias, field, hidden_bias;
+  for (const CodeGroup& group : groups_) {
+    lengths.push_back(group.word.size());
+    std::vector<double> alone;
+    for (const std::uint32_t unit : group.unit) alone.push_back(problem_.linear[unit]);
+    for (const auto& word : group.word) {
+      word_bias.push_back(-word_energy(group, alone, [&](std::size_t k) { return word[k] != 0; }));
+      for (std::size_t j = 0; j < hidden_.size(); ++j) {
+        double sum = 0;
+        for (std::size_t k = 0; k < word.size(); ++k)
+          if (word[k]) sum -= coupling_[group.unit[k]][j];
+        field.push_back(sum);
+      }
     }
   }
-  for (std::size_t j = 0; j < field.size(); ++j) row[hidden_[j]] = u(draw++) * (1 + std::exp(beta * field[j])) < 1;
+  for (const std::uint32_t h : hidden_) hidden_bias.push_back(-problem_.linear[h]);
+  return learning::WordMachine(lengths, std::move(word_bias), std::move(field), std::move(hidden_bias));
 }
 
-std::vector<double> CodeMachine::chain_mean(const CodeGroup& outcome, std::uint64_t chain) const {
-  constexpr std::uint64_t kStream = 0x72656665;  // of random numbers
-  constexpr std::array<double, 4> kBeta = {0.25, 0.5, 0.75, 1};
-  constexpr std::size_t kBurnIn = 200, kSweeps = 800, kExchangeEvery = 4;
-  std::vector<std::vector<std::int8_t>> row(kBeta.size(), std::vector<std::int8_t>(problem_.variable_count(), 0));
-  std::vector<double> mean(outcome.word.size(), 0.0);
-  std::uint64_t number = 0;
-  for (std::size_t n = 0; n < kBurnIn + kSweeps; ++n) {
-    for (std::size_t r = 0; r < kBeta.size(); ++r, ++number)
-      sweep(row[r], kBeta[r], [&](std::uint64_t k) { return random_unit(random_bits(kStream, chain, number), 0, k); });
-    for (std::size_t r = n / kExchangeEvery % 2; n % kExchangeEvery == 0 && r + 1 < kBeta.size(); r += 2) {
-      const double gain = given(row[r + 1], kBeta[r]).log_words + given(row[r], kBeta[r + 1]).log_words -
-                          given(row[r], kBeta[r]).log_words - given(row[r + 1], kBeta[r + 1]).log_words;
-      if (random_unit(kStream + 1, chain, n * kBeta.size() + r) < std::exp(gain)) std::swap(row[r], row[r + 1]);
-    }
-    if (n < kBurnIn) continue;
-    const std::vector<double> p = given(row.back()).probability[std::size_t(&outcome - groups_.data())];
-    for (std::size_t y = 0; y < mean.size(); ++y) mean[y] += p[y] / double(kSweeps);
+namespace {
+
+/// P(word of one group | those of the others), hidden units summed out.
+std::vector<double> given_others(const learning::WordMachine& machine, std::size_t group,
+                                 std::span<const std::uint16_t> row) {
+  std::vector<std::uint16_t> words(row.begin(), row.end());
+  std::vector<double> result;
+  for (std::size_t k = 0; k < machine.groups()[group].length; ++k) {
+    words[group] = std::uint16_t(k);
+    result.push_back(machine.log_weight(words));
   }
-  return mean;
+  learning::normalise_logs(result);
+  return result;
 }
+
+}  // namespace
 
 CodeMachine::Reference CodeMachine::outcomes() const {
-  constexpr std::size_t kChains = 32;
+  constexpr std::uint64_t kStream = 0x72656665;  // of random numbers
+  constexpr std::size_t kChains = 32, kRungs = 5, kBurnIn = 200, kDraws = 200, kEvery = 4;
   const auto group =
       std::find_if(groups_.begin(), groups_.end(), [](const CodeGroup& candidate) { return candidate.variable < 0; });
   if (group == groups_.end()) return {};
@@ -230,10 +216,19 @@ CodeMachine::Reference CodeMachine::outcomes() const {
     const std::size_t count = exact.size();
     return {std::move(exact), std::vector<double>(count, 0.0)};
   }
-  std::vector<std::vector<double>> mean(kChains);
-  for_each_on_host(kChains, 1, [&](std::size_t chain) { mean[chain] = chain_mean(*group, chain); });
-  Reference result{std::vector<double>(group->word.size(), 0.0), std::vector<double>(group->word.size(), 0.0)};
-  for (std::size_t y = 0; y < group->word.size(); ++y) {
+  const learning::WordMachine machine = words();
+  learning::WordChains chains(kChains, kRungs, kStream);
+  const std::size_t count = group->word.size();
+  std::vector<std::vector<double>> mean(kChains, std::vector<double>(count, 0.0));
+  for (std::size_t n = 0; n < kDraws; ++n) {
+    chains.run(machine, n == 0 ? kBurnIn : kEvery);
+    for_each_on_host(kChains, 1, [&](std::size_t chain) {
+      const std::vector<double> p = given_others(machine, std::size_t(group - groups_.begin()), chains.row(chain));
+      for (std::size_t y = 0; y < count; ++y) mean[chain][y] += p[y] / double(kDraws);
+    });
+  }
+  Reference result{std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
+  for (std::size_t y = 0; y < count; ++y) {
     double sum = 0, square = 0;
     for (const std::vector<double>& of : mean) sum += of[y];
     result.probability[y] = sum / double(kChains);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "learning/encoding/layout.h"
+#include "learning/machine/word_machine.h"
 #include "learning/qubo/problem.h"
 
 namespace gonogo::outcome {
@@ -35,8 +36,8 @@ class CodeMachine {
     double log_words = 0;                          // log of the sum over code words, -h's own energy included
     double log_all = 0;                            // the same over all words of the units
   };
-  /// row: [variable of the problem], on where above 0. Only hidden units are looked at. beta: the inverse temperature.
-  Given given(std::span<const std::int8_t> row, double beta = 1) const;
+  /// row: [variable of the problem], on where above 0. Only hidden units are looked at.
+  Given given(std::span<const std::int8_t> row) const;
 
   /// Sums over all hidden rows.
   struct Exact {
@@ -46,9 +47,8 @@ class CodeMachine {
   };
   /// None with more than 16 hidden units.
   std::optional<Exact> exact() const;
-  /// P(outcome) with standard errors: of these sums, without an error; otherwise by block Gibbs here, a whole word of
-  /// every group at a time, in 32 chains with replicas at inverse temperatures 1/4 to 1. Deterministic. Empty where the
-  /// outcome is not free.
+  /// P(outcome) with standard errors: of these sums, without an error; otherwise by block Gibbs over code words here,
+  /// in 32 chains with replicas at inverse temperatures 0 to 1. Deterministic. Empty where the outcome is not free.
   struct Reference {
     std::vector<double> probability, standard_error;  // [outcome]
   };
@@ -57,6 +57,8 @@ class CodeMachine {
   std::vector<double> exact_outcomes() const;
 
   const std::vector<CodeGroup>& groups() const { return groups_; }
+  /// The problem in the order of given()'s rows, BINARY.
+  const learning::Problem& binary() const { return problem_; }
 
  private:
   /// Energy of each unit of the group when it is on alone, given the hidden units of `row`.
@@ -64,11 +66,8 @@ class CodeMachine {
   template <class On>
   double word_energy(const CodeGroup& group, std::span<const double> field, On on) const;
   double log_all_words(const CodeGroup& group, std::span<const double> field) const;
-  /// One sweep of block Gibbs from the hidden units of `row`; u(k): uniform numbers. The words' units are set, too.
-  template <class Uniform>
-  void sweep(std::span<std::int8_t> row, double beta, const Uniform& u) const;
-  /// [outcome] mean of one chain of outcomes().
-  std::vector<double> chain_mean(const CodeGroup& outcome, std::uint64_t chain) const;
+  /// The machine over the code words of groups().
+  learning::WordMachine words() const;
   learning::Problem problem_;  // BINARY
   std::vector<CodeGroup> groups_;
   std::vector<std::uint32_t> hidden_;          // positions in the problem

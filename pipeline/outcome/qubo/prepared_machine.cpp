@@ -102,7 +102,9 @@ namespace {
 
 constexpr double kEnoughWeighed = 0.1;  // share of the reads that weighed rows must be worth without a penalty
 constexpr double kEnoughWords = 0.9;    // share of rows that a penalty must leave as code words
+constexpr double kAllWords = 0.999;     // share of code words that needs no mention
 constexpr learning::SampleRequest kTrial = {.reads = 200, .seed = 1, .sweeps = 300};
+constexpr learning::SampleRequest kMeasured = {.reads = 1000, .seed = 1, .sweeps = 300};
 
 /// Share of code words among rows of the penalised problem.
 double word_share(const learning::Problem& machine, const learning::VisibleLayout& layout,
@@ -119,15 +121,26 @@ double word_share(const learning::Problem& machine, const learning::VisibleLayou
   return decoded.valid / decoded.reads;
 }
 
-std::optional<CodeMachine::Exact> exact_sums(const learning::Problem& machine, const learning::VisibleLayout& layout,
-                                             const std::vector<double>& fixed) {
-  const auto free = CodeMachine::of(learning::clamp(machine, fixed), layout);
-  return free ? free->exact() : std::nullopt;
-}
-
 std::string percent(double share) { return number_text(100 * share, 2) + " %"; }
 
 }  // namespace
+
+std::optional<WordShares> word_shares(const learning::Problem& machine, const learning::VisibleLayout& layout,
+                                      const std::vector<double>& fixed) {
+  const learning::Problem problem = learning::clamp(machine, fixed);
+  const auto free = CodeMachine::of(problem, layout);
+  if (!free) return std::nullopt;
+  if (const auto sums = free->exact()) return WordShares{sums->word_share, sums->weighed_share, true};
+  const learning::SampleSet rows = learning::make_sampler("tempering")->sample(free->binary(), kMeasured);
+  double sum = 0, square = 0;
+  for (std::size_t r = 0; r < rows.row_count(); ++r) {
+    const CodeMachine::Given given = free->given(rows.row(r));
+    const double share = std::exp(given.log_words - given.log_all);
+    sum += share;
+    square += share * share;
+  }
+  return WordShares{sum / double(rows.row_count()), sum * sum / square / double(rows.row_count()), false};
+}
 
 double measured_penalty(const learning::Problem& machine, const learning::VisibleLayout& layout,
                         const std::vector<double>& fixed) {
@@ -139,31 +152,33 @@ double measured_penalty(const learning::Problem& machine, const learning::Visibl
 
 PreparedMachine prepared_machine(const learning::Model& model, const std::vector<double>& fixed) {
   PreparedMachine result{learning::to_qubo(model.weights, model.layout.unit_labels()), 0, ""};
-  const auto plain = exact_sums(result.machine, model.layout, fixed);
-  if (plain && plain->word_share > 0.999) return result;
-  const std::string weighed = "import weighs all code words by the hidden units, and the reads are worth ",
-                    of_rows = " of as many independent rows";
-  std::string reason;
-  if (plain) {
-    reason = percent(plain->word_share) + " of the machine's rows are code words";
-    if (plain->weighed_share >= kEnoughWeighed) {
-      result.note = reason + ". No penalty is needed: " + weighed + percent(plain->weighed_share) + of_rows +
-                    ". Tools that read rows themselves need --penalty";
-      return result;
-    }
-    reason += ", and weighed reads would be worth " + percent(plain->weighed_share) + ". So ";
+  const auto plain = word_shares(result.machine, model.layout, fixed);
+  if (plain && plain->words > kAllWords) return result;
+  const auto words = [](const WordShares& shares) {
+    return (shares.exact ? "" : "about ") + percent(shares.words) + " of the machine's rows are code words";
+  };
+  const auto worth = [](const WordShares& shares) {
+    return "import weighs all code words by the hidden units, and the reads are worth " + percent(shares.weighed) +
+           " of as many independent rows";
+  };
+  if (plain && plain->weighed >= kEnoughWeighed) {
+    result.note =
+        words(*plain) + ". No penalty is needed: " + worth(*plain) + ". Tools that read rows themselves need --penalty";
+    return result;
   }
+  std::string before;
+  if (plain) before = words(*plain) + ", and weighed reads would be worth " + percent(plain->weighed) + ". So ";
   result.machine = balanced_machine(model);
-  const auto balanced = exact_sums(result.machine, model.layout, fixed);
-  if (balanced && balanced->weighed_share >= kEnoughWeighed) {
-    result.note = reason +
+  const auto balanced = word_shares(result.machine, model.layout, fixed);
+  if (balanced && balanced->weighed >= kEnoughWeighed) {
+    result.note = before +
                   "the outcome's units are balanced, which changes no energy of a code word and couples no units of a "
-                  "variable: " +
-                  weighed + percent(balanced->weighed_share) + of_rows;
+                  "variable. Then " +
+                  words(*balanced) + ", " + worth(*balanced);
     return result;
   }
   result.penalty = measured_penalty(result.machine, model.layout, fixed);
-  result.note = reason + "units that are no code word get a penalty of " + number_text(result.penalty) +
+  result.note = before + "units that are no code word get a penalty of " + number_text(result.penalty) +
                 ", which couples units of a variable: sample with tempering, anneal or population";
   return result;
 }

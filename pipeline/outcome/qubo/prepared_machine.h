@@ -1,5 +1,6 @@
 // Chooses how an exported machine keeps its rows code words, where the user does not say.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,21 @@ struct PreparedMachine {
 /// fixed: the values of the units of clamped variables, as in with_code_penalty().
 ///
 /// The machine stays as it is if weighed rows are worth a tenth of the reads or more. Otherwise its outcome is balanced
-/// (balanced_machine()); if that is not enough it gets measured_penalty(). Sums over up to 16 hidden units say what
-/// weighed rows are worth; with more hidden units there is a penalty.
+/// (balanced_machine()); if that is not enough it gets measured_penalty(). What weighed rows are worth is summed over
+/// up to 16 hidden units, and measured on 1,000 rows of tempering with more. The note states it and the share of rows
+/// that are code words.
 PreparedMachine prepared_machine(const learning::Model& model, const std::vector<double>& fixed);
+
+/// What rows of a machine without penalty are worth.
+struct WordShares {
+  double words = 0, weighed = 0;  // as in CodeMachine::Exact
+  bool exact = false;
+};
+
+/// Exact sums, or means over rows of tempering, where a row's hidden units give the share of code words among all
+/// words. None if the machine couples units of different variables.
+std::optional<WordShares> word_shares(const learning::Problem& machine, const learning::VisibleLayout& layout,
+                                      const std::vector<double>& fixed);
 
 /// The first of 8, 12, 16, 24, 32 that leaves at most a tenth of the rows without a code word, by a short run of
 /// tempering; 32 when none does. `machine` as in PreparedMachine.

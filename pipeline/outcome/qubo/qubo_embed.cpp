@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -63,6 +64,22 @@ learning::HardwareGraph chosen_graph(const GraphChoice& choice) {
   return learning::without(full, learning::random_dead_qubits(full, choice.dead_share, choice.dead_seed));
 }
 
+learning::CoefficientRanges chosen_ranges(const GraphChoice& choice) {
+  learning::CoefficientRanges ranges;
+  if (choice.solver.empty()) return ranges;
+  const Json json = Json::read(choice.solver);
+  const learning::JsonReader properties = learning::JsonReader(json, choice.solver.string(), "").object("properties");
+  for (auto [key, low, high] :
+       {std::tuple("h_range", &ranges.h_low, &ranges.h_high), std::tuple("j_range", &ranges.j_low, &ranges.j_high)}) {
+    if (!properties.find(key)) continue;
+    const std::vector<double> ends = properties.numbers(key);
+    if (ends.size() != 2 || !(ends[0] < 0 && ends[1] > 0)) properties.fail(key, "must be two numbers around 0");
+    *low = ends[0];
+    *high = ends[1];
+  }
+  return ranges;
+}
+
 EmbedResult embed_problem_file(const EmbedRequest& request) {
   const LoadedProblem loaded = load_problem(request.problem, request.from);
   if (loaded.sidecar && loaded.sidecar->embedding)
@@ -73,7 +90,9 @@ EmbedResult embed_problem_file(const EmbedRequest& request) {
   EmbedResult result;
   result.chain_strength = request.chain_strength.value_or(learning::torque_compensation(ising));
   learning::EmbeddedProblem embedded = learning::embed_problem(ising, graph, embedding, result.chain_strength);
-  if (request.auto_scale) result.scale = learning::auto_scale_factor(embedded.problem, {});
+  const learning::CoefficientRanges ranges = chosen_ranges(request.graph);
+  const double fitting = learning::auto_scale_factor(embedded.problem, ranges);
+  if (request.auto_scale) result.scale = fitting;
   learning::Problem problem = learning::scaled(embedded.problem, result.scale);
   LoadedProblem out;
   out.sidecar = loaded.sidecar.value_or(Sidecar{});
@@ -89,6 +108,11 @@ EmbedResult embed_problem_file(const EmbedRequest& request) {
   out.sidecar->embedding = std::move(embedded.record);
   out.problem = std::move(problem);
   result.exported = convert_problem(out, request.out, request.to);
+  if (!request.auto_scale && fitting < 1)
+    result.exported.notes.push_back(line(
+        "coefficients lie beyond the machine's ranges, h %g to %g and J %g to %g: --auto-scale would program %.3g of "
+        "them, at a temperature as much higher; gonogo qubo sample corrects for scale and temperature itself",
+        ranges.h_low, ranges.h_high, ranges.j_low, ranges.j_high, fitting));
   if (result.masked > 0)
     result.exported.notes.push_back(std::to_string(result.masked) + " of " + std::to_string(ising.couplings.size()) +
                                     " couplings have no coupler between their chains and are masked");

@@ -18,6 +18,8 @@ struct GraphChoice {
 };
 /// Throws InputError for an unknown name and for a solver file that cannot be used.
 learning::HardwareGraph chosen_graph(const GraphChoice& choice);
+/// h_range and j_range of the solver; those of a D-Wave 2X without one.
+learning::CoefficientRanges chosen_ranges(const GraphChoice& choice);
 
 struct EmbedRequest {
   std::filesystem::path problem, out;

@@ -83,6 +83,8 @@ SampleReport sample_report(const learning::SampleSet& rows) {
     report.energy_mean += e / double(report.reads);
     report.energy_lowest = std::min(report.energy_lowest, e);
   }
+  for (const char* key : {"beta_start", "beta_end", "schedule"})
+    if (const Json* value = rows.info.is_object() ? rows.info.find(key) : nullptr) report.anneal[key] = *value;
   return report;
 }
 
@@ -93,6 +95,7 @@ Json to_json(const SampleReport& report) {
   json["variables"] = report.variables;
   json["energy_mean"] = report.energy_mean;
   json["energy_lowest"] = report.energy_lowest;
+  if (!report.anneal.is_null()) json["anneal"] = report.anneal;
   if (report.correction) json["correction"] = to_json(*report.correction);
   return json;
 }
@@ -112,6 +115,13 @@ SampleReport write_answer(const learning::Problem& problem, learning::SampleSet 
 }
 
 }  // namespace
+
+std::unique_ptr<learning::Sampler> sampler_for(const fs::path& problem, const std::string& name,
+                                               const learning::SamplerSettings& settings, const FileChoice& choice) {
+  const LoadedProblem loaded = load_problem(problem, choice);
+  const bool of_model = loaded.sidecar && loaded.sidecar->of_model();
+  return of_model ? learning::make_machine_sampler(name, settings) : learning::make_sampler(name, settings);
+}
 
 SampleReport sample_problem(const fs::path& problem_file, const fs::path& answer_file, const learning::Sampler& sampler,
                             const learning::SampleRequest& request, const FileChoice& choice) {
@@ -152,22 +162,23 @@ learning::SampleSet on_qubits(const learning::SampleSet& rows, const learning::P
   return result;
 }
 
+/// Of `machine`; of an emulator of the device without one.
 learning::CorrectedAnnealer corrected(const learning::Device& device, learning::Embedding embedding,
-                                      std::size_t post_sweeps) {
+                                      std::size_t post_sweeps, std::shared_ptr<const learning::Sampler> machine = {}) {
   learning::CorrectionSettings settings;
   settings.first_scale = device.temperature;
-  settings.susceptibility = device.errors.susceptibility;
+  settings.susceptibility = machine ? 0 : device.errors.susceptibility;
   settings.ranges = device.ranges;
   settings.post_sweeps = post_sweeps;
-  return learning::CorrectedAnnealer(std::make_shared<learning::Emulator>(device), device.graph, std::move(embedding),
-                                     settings);
+  if (!machine) machine = std::make_shared<learning::Emulator>(device);
+  return learning::CorrectedAnnealer(std::move(machine), device.graph, std::move(embedding), settings);
 }
 
 }  // namespace
 
 learning::Device emulated_device(const DeviceChoice& choice) {
   return {.graph = chosen_graph(choice.graph),
-          .ranges = {},
+          .ranges = chosen_ranges(choice.graph),
           .errors = {},
           .temperature = choice.temperature,
           .auto_scale = false,
@@ -183,12 +194,15 @@ learning::SampleSet emulated_rows(const LoadedProblem& loaded, const DeviceChoic
                                   const learning::SampleRequest& request,
                                   std::optional<learning::Correction>& correction) {
   const learning::Device device = emulated_device(choice);
-  if (choice.as_programmed) return learning::Emulator(device).sample(loaded.problem, request);
+  if (choice.as_programmed)
+    return choice.machine ? choice.machine->sample(loaded.problem, request)
+                          : learning::Emulator(device).sample(loaded.problem, request);
   const bool embedded = loaded.sidecar && loaded.sidecar->embedding;
   const learning::Problem logical = embedded ? loaded.sidecar->embedding->source : learning::to_ising(loaded.problem);
   learning::Embedding embedding = embedded ? recorded_embedding(*loaded.sidecar->embedding, device.graph)
                                            : learning::embed(device.graph, logical, "auto");
-  const learning::CorrectedAnnealer annealer = corrected(device, std::move(embedding), choice.post_sweeps);
+  const learning::CorrectedAnnealer annealer =
+      corrected(device, std::move(embedding), choice.post_sweeps, choice.machine);
   learning::SampleSet rows = annealer.sample(embedded ? logical : loaded.problem, request, correction.emplace());
   if (embedded) rows = on_qubits(rows, loaded.problem, *loaded.sidecar);
   rows.info = learning::to_json(*correction);
@@ -200,7 +214,9 @@ SampleReport sample_emulated(const fs::path& problem_file, const fs::path& answe
   const LoadedProblem loaded = load_problem(problem_file, file);
   std::optional<learning::Correction> correction;
   learning::SampleSet rows = emulated_rows(loaded, choice, request, correction);
-  SampleReport report = write_answer(loaded.problem, std::move(rows), learning::kEmulator, request, answer_file);
+  SampleReport report =
+      write_answer(loaded.problem, std::move(rows), choice.machine ? choice.machine->name() : learning::kEmulator,
+                   request, answer_file);
   report.correction = correction;
   return report;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -41,11 +42,17 @@ struct SampleReport {
   std::filesystem::path answer;  // file of the rows; empty: none
   std::size_t reads = 0, variables = 0;
   double energy_mean = 0, energy_lowest = 0;
+  Json anneal{};  // betas and schedule of the sampler anneal; null for others
   std::optional<learning::Correction>
       correction{};  // of the emulator (annealer_sampler.h); empty: nothing was corrected
 };
 SampleReport sample_report(const learning::SampleSet& rows);
 Json to_json(const SampleReport& report);
+
+/// The sampler for a problem file: make_machine_sampler() where its sidecar tells of a model, otherwise make_sampler().
+std::unique_ptr<learning::Sampler> sampler_for(const std::filesystem::path& problem, const std::string& name,
+                                               const learning::SamplerSettings& settings,
+                                               const FileChoice& choice = {});
 
 /// Samples a problem file and writes the answer in dimod's JSON form, with the problem's hash in its info.
 SampleReport sample_problem(const std::filesystem::path& problem, const std::filesystem::path& answer,
@@ -57,6 +64,8 @@ struct DeviceChoice {
   double temperature = 0.2;      // in units of the fields h
   std::size_t post_sweeps = 10;  // of block Gibbs after the device, if the problem is bipartite
   bool as_programmed = false;    // nothing is corrected: the file's coefficients are programmed, on its qubits
+  /// A machine on the qubits of the graph, such as a program that reaches one; empty: the emulator.
+  std::shared_ptr<const learning::Sampler> machine{};
 };
 
 /// The device with the errors of a D-Wave 2X on the chosen graph.
@@ -66,9 +75,9 @@ learning::Device emulated_device(const DeviceChoice& choice);
 learning::CorrectedAnnealer corrected_annealer(const learning::Problem& problem, const learning::Device& device,
                                                std::size_t post_sweeps);
 
-/// Rows of the device. Corrected ones (annealer_sampler.h) answer a problem over variables, which is embedded here, or
-/// one that gonogo qubo embed wrote; its chains then come back unbroken. `correction` is filled for corrected ones.
-/// Throws InputError if the problem does not fit.
+/// Rows of the device, the emulator or another machine. Corrected ones (annealer_sampler.h) answer a problem over
+/// variables, which is embedded here, or one that gonogo qubo embed wrote; its chains then come back unbroken.
+/// `correction` is filled for corrected ones. Throws InputError if the problem does not fit.
 learning::SampleSet emulated_rows(const LoadedProblem& problem, const DeviceChoice& choice,
                                   const learning::SampleRequest& request,
                                   std::optional<learning::Correction>& correction);

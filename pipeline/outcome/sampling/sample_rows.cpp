@@ -58,7 +58,7 @@ learning::SampleSet reads_of(const learning::Problem& problem, const RowRequest&
   if (request.sampler == learning::kEmulator)
     return corrected_annealer(problem, emulated_device(request.device), request.device.post_sweeps)
         .sample(problem, asked);
-  return learning::make_sampler(request.sampler)->sample(problem, asked);
+  return learning::make_machine_sampler(request.sampler)->sample(problem, asked);
 }
 
 /// Reads in proportion to their weights, by equal steps through the sum of the weights: [reads] of read numbers.

@@ -467,7 +467,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
                      "; train it anew with gonogo train");
   in.training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
   const bool outside = in.settings.sampler == "command" || in.settings.sampler == learning::kEmulator;
-  const auto sampler = learning::make_sampler(outside ? in.settings.stand_in : in.settings.sampler);
+  const auto sampler = learning::make_machine_sampler(outside ? in.settings.stand_in : in.settings.sampler);
   const KeptWork kept(request.model, work_key(request, in.settings));
   Progress progress("train", "members", std::size_t(count));
   std::vector<fs::path> files;

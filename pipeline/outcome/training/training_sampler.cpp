@@ -30,7 +30,7 @@ TrainingSampler::TrainingSampler(const LearningSettings& settings, const learnin
   } else if (on_gpu_) {
     use_with_stand_in(learning::make_sampler("block_gibbs", {{"on_gpu", true}}), "block_gibbs");
   } else {
-    sampler_ = learning::make_sampler(wanted_);
+    sampler_ = learning::make_machine_sampler(wanted_);
   }
 }
 
@@ -65,7 +65,7 @@ void TrainingSampler::use_emulator(const learning::VisibleLayout& layout, learni
 }
 
 void TrainingSampler::use_with_stand_in(std::unique_ptr<learning::Sampler> wanted, const std::string& other) {
-  auto sampler = std::make_unique<learning::WithStandIn>(std::move(wanted), learning::make_sampler(other));
+  auto sampler = std::make_unique<learning::WithStandIn>(std::move(wanted), learning::make_machine_sampler(other));
   stand_in_ = sampler.get();
   sampler_ = std::move(sampler);
 }

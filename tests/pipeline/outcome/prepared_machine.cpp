@@ -167,6 +167,36 @@ TEST_CASE("export balances outcomes where weighed rows are worth little, says so
   }
 }
 
+TEST_CASE("shares of code words measured with many hidden units agree with exact sums, and stand in the note") {
+  const TemporaryFolder folder;
+  for (const char* code : {"binary", "gray", "thermometer"}) {
+    const learning::Model few = random_machine({.hidden = 4, .code = code, .units = 2, .outcome_bias = -1});
+    const auto exact = word_shares(balanced_machine(few), few.layout, free_units(few));
+    REQUIRE(exact);
+    CHECK(exact->exact);
+    // The same machine with hidden units that nothing is coupled to: more than can be summed, and no other row.
+    learning::Model many = few;
+    many.weights = learning::RbmWeights::zeros(few.weights.visible_count, 20);
+    many.weights.visible_bias = few.weights.visible_bias;
+    for (std::size_t i = 0; i < few.weights.visible_count; ++i)
+      for (std::size_t j = 0; j < 4; ++j) many.weights.weight[i * 20 + j] = few.weights.weight[i * 4 + j];
+    std::copy(few.weights.hidden_bias.begin(), few.weights.hidden_bias.end(), many.weights.hidden_bias.begin());
+    const auto measured = word_shares(balanced_machine(many), many.layout, free_units(many));
+    REQUIRE(measured);
+    CHECK_FALSE(measured->exact);
+    std::printf("%s: code words %.3f, measured %.3f; reads are worth %.3f, measured %.3f\n", code, exact->words,
+                measured->words, exact->weighed, measured->weighed);
+    CHECK(measured->words == Approx(exact->words).epsilon(0.1));
+    CHECK(measured->weighed == Approx(exact->weighed).epsilon(0.1));
+    learning::write_model(folder.path() / "model.h5", many);
+    const Exported exported =
+        export_problem(folder.path() / "model.h5", folder.path() / "problem.json", {}, learning::Vartype::binary);
+    CHECK(exported.sidecar.code_penalty == 0);
+    CHECK(contains(exported.notes.back(), "about "));
+    CHECK(contains(exported.notes.back(), "of the machine's rows are code words"));
+  }
+}
+
 TEST_CASE("the measured penalty is the first that leaves code words in nine of ten rows") {
   // Without weights n of the ten outcome units are on with weight C(10, n) exp(b n - s (1 - n)^2).
   const auto word_share = [](double bias, double strength) {
