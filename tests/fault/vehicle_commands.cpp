@@ -79,6 +79,70 @@ TEST_CASE("vehicle feasible --forces fits measured wheel forces and refuses file
   check_refusal(run_gonogo({"vehicle", "feasible", "hmmwv", "--forces", "/none/f.json"}), 2, {"/none/f.json"});
 }
 
+namespace {
+
+/// gonogo vehicle new for a buggy, with one option replaced or added.
+std::vector<std::string> new_buggy(const std::string& out, const std::string& option = "",
+                                   const std::string& value = "") {
+  std::vector<std::string> words{"vehicle", "new", "buggy", "--out", out};
+  std::vector<std::pair<std::string, std::string>> sheet{
+      {"--mass", "700"},     {"--axles", "2"},  {"--wheelbase", "2.1"}, {"--track", "1.3"},
+      {"--tyre", "26x9-12"}, {"--power", "50"}, {"--top-speed", "95"},  {"--clearance", "0.3"}};
+  bool found = option.empty();
+  for (auto& [name, given] : sheet) {
+    if (name == option) given = value;
+    found = found || name == option;
+  }
+  if (!found) sheet.emplace_back(option, value);
+  for (const auto& [name, given] : sheet) words.push_back(name + "=" + given);
+  return words;
+}
+
+}  // namespace
+
+TEST_CASE("vehicle new writes a file that the other commands take, and keeps files that exist") {
+  const TemporaryFolder folder;
+  const std::string file = folder / "buggy.json";
+  const Ending made = run_gonogo(new_buggy(file));
+  REQUIRE(made.exit_code == 0);
+  CHECK(contains(made.out, "static stability factor"));
+  CHECK(contains(made.out, "gonogo vehicle show " + file));
+  const Json shown = answer({"show", file});
+  CHECK(shown.at("total_mass_kg").number() == Approx(700).epsilon(1e-4));
+  CHECK(shown.at("wheels").items().size() == 4);
+  CHECK(answer({"vci", file}).at("vci1_psi").number() > 5);
+  CHECK(answer({"numbers", file}).at("inside").boolean());
+  check_refusal(run_gonogo(new_buggy(file)), 2, {"buggy.json", "exists already", "--out"});
+
+  const std::string study = folder / "study.json";
+  const Json written = answer({"study", file, "--points", "40", "--out", study});
+  CHECK(written.at("trials").integer() == 40);
+  CHECK(written.at("seconds").number() > 0);
+  CHECK(run_gonogo({"design", study}).exit_code == 0);
+  check_refusal(run_gonogo({"map", "--vehicle", file, "--dem", "any.tif", "--out", folder / "map"}), 2,
+                {"the vehicle buggy has no model yet", "models ship for: ", "gonogo vehicle study", "600 trials"});
+  check_refusal(run_gonogo({"map", "--dem", "any.tif", "--out", folder / "map"}), 2, {"--model is missing", "hmmwv"});
+}
+
+TEST_CASE("vehicle new refuses sheets that make no vehicle, and writes nothing") {
+  const TemporaryFolder folder;
+  const std::string file = folder / "buggy.json";
+  const auto refuse = [&](const std::string& option, const std::string& value, const std::vector<std::string>& words) {
+    check_refusal(run_gonogo(new_buggy(file, option, value)), 2, words);
+    CHECK_FALSE(std::filesystem::exists(file));
+  };
+  refuse("--tyre", "banana", {"tyre size \"banana\"", "37x12.50R16.5"});
+  refuse("--axles", "5", {"axles: 5", "2 to 4"});
+  refuse("--clearance", "-0.1", {"clearance", "-0.1"});
+  refuse("--mass", "70000", {"kN on a tyre", "26x9-12 bears"});
+  refuse("--mass", "7oo", {"--mass \"7oo\"", "is no number"});
+  refuse("--load-index", "20", {"by its load index"});
+  refuse("--drive", "sails", {"--drive \"sails\"", "engine, motors"});
+  check_refusal(run_gonogo({"vehicle", "new", "buggy", "--mass", "700", "--out", file}), 2,
+                {"missing: --axles, --wheelbase, --track, --tyre, --power, --top-speed, --clearance"});
+  check_refusal(run_gonogo({"vehicle", "numbers", "m113"}), 2, {"m113", "one on tracks"});
+}
+
 TEST_CASE("vehicles that are not there and questions that cannot be are refused") {
   check_refusal(run_gonogo({"vehicle", "show", "humvee"}), 2, {"humvee", "no such vehicle file", "hmmwv", "m113"});
   check_refusal(run_gonogo({"vehicle", "show", "/none/a.json"}), 2, {"/none/a.json", "no such vehicle file"});
