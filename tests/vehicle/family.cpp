@@ -130,7 +130,7 @@ TEST_CASE("nine in ten of the table's vehicles lie inside the family in every nu
     if (value("deflection_m") > 0) wheel.compliant.stiffness = load / value("deflection_m");
     const VehicleNumbers n{.wheel = wheel_numbers(wheel, load, value("gravity_m_s2")),
                            .axles = int(axles),
-                           .axle_gap = value("wheelbase_m") / (axles - 1) / d,
+                           .axle_gap = value("wheelbase_m") / d - (axles - 1),
                            .track = value("track_m") / d,
                            .centre_height = value("centre_height_m") / d,
                            .centre_behind = 0.5,

@@ -47,7 +47,7 @@ VehicleNumbers vehicle_numbers(const Vehicle& v, double gravity) {
   }
   VehicleNumbers n{.wheel = wheel_numbers(*wheels.front().wheel, weight / double(wheels.size()), gravity)};
   n.axles = int(v.axle.size());
-  n.axle_gap = (front - rear) / (n.axles - 1) / diameter;
+  n.axle_gap = (front - rear) / diameter - (n.axles - 1);
   n.track = track / diameter;
   n.centre_height = (w.centre.z - w.ground) / diameter;
   n.centre_behind = (front - w.centre.x) / (front - rear);
@@ -63,7 +63,7 @@ VehicleNumbers vehicle_numbers(const Vehicle& v, double gravity) {
 
 Vehicle canonical_vehicle(const Family& f, const VehicleNumbers& n, double gravity) {
   const double d = f.diameter, speed = std::sqrt(gravity * d), lug = n.wheel.lug < kNegligible ? 0 : n.wheel.lug * d;
-  const double base = n.axle_gap * (n.axles - 1) * d, weight = 2 * n.axles * load_of(f, n.wheel, gravity);
+  const double base = (n.axle_gap + n.axles - 1) * d, weight = 2 * n.axles * load_of(f, n.wheel, gravity);
   DataSheet s;
   s.name = f.name;
   s.mass = weight / gravity;
@@ -99,7 +99,7 @@ std::vector<PlacedNumber> placed(const Family& f, const VehicleNumbers& n) {
       {"deflection_ratio", "static deflection of a tyre", n.wheel.deflection, {}},
       {"lug_ratio", "height of lugs", n.wheel.lug, {}},
       {"axles", "number of axles", double(n.axles), {}},
-      {"axle_gap_ratio", "distance from one axle to the next", n.axle_gap, {}},
+      {"axle_gap_ratio", "free length between the wheels of a side", n.axle_gap, {}},
       {"track_ratio", "distance of left and right wheels", n.track, {}},
       {"centre_height_ratio", "height of the centre of mass", n.centre_height, {}},
       {"centre_share", "place of the centre of mass behind the first axle, over the wheelbase", n.centre_behind, {}},

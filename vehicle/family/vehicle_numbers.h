@@ -8,7 +8,7 @@ namespace gonogo::vehicle {
 struct VehicleNumbers {
   WheelNumbers wheel;        // of the mean wheel: W over the number of wheels is its load
   int axles = 2;             // 2 to 4
-  double axle_gap = 0;       // mean distance from one axle to the next
+  double axle_gap = 0;       // free length between the wheels of a side, all together
   double track = 0;          // between the middles of left and right wheels
   double centre_height = 0;  // of mass, over hard ground
   double centre_behind = 0;  // of mass, behind the first axle, over the distance of the outer axles
