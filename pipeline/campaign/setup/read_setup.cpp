@@ -23,8 +23,9 @@ void choose_bed(TrialSetup& s) {
 
 void read_bed(const Config& bed, TrialSetup& s) {
   s.bed_length = bed.number_or("length_m", s.bed_length, {0.1, 100});
-  const double unfolded = vehicle::is_quarter(s.vehicle) ? s.bed_width : wide_bed(s);
   const bool open = !bed.has("width_m") && !bed.has("tiles_across");
+  const bool as_wide = open && !vehicle::is_quarter(s.vehicle);
+  const double unfolded = as_wide ? wide_bed(s) : TrialSetup{}.bed_width;
   s.folded = bed.boolean_or("folded", open && s.folded);
   if (s.folded) check_foldable(s);
   s.bed_width = bed.number_or("width_m", s.folded ? folded_width(s.vehicle) : unfolded, {0.05, 100});
