@@ -12,4 +12,9 @@ inline bool same_bits(const std::vector<sim::BodyState>& a, const std::vector<si
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(sim::BodyState)) == 0;
 }
 
+/// NaNs are alike where their bits are.
+inline bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
 }  // namespace gonogo::test
