@@ -38,7 +38,7 @@ def scaled_study(study, folder, points, beds, size, gravity, grain):
     where.mkdir(parents=True, exist_ok=True)
     family = json.loads((HERE / "configs/families/wheeled.json").read_text())
     family["diameter_m"] *= size
-    table = json.loads((HERE / f"configs/soils/calibration_{grain}mm_give.json").read_text())
+    table = json.loads((HERE / f"configs/soils/calibration_{grain}mm.json").read_text())
     table["grain_diameter_m"] *= size
     (where / "family.json").write_text(json.dumps(family))
     (where / "table.json").write_text(json.dumps(table))
