@@ -123,11 +123,13 @@ void time_steps(const ManyRun& run, sim::Simulation& simulation, Driven& driven,
   std::vector<double> samples;
   std::vector<sim::StageTimes> stages;
   for (int k = 0; k < run.repeats; ++k) samples.push_back(driven.sample(run.steps_per_sample));
-  const double time = median(samples), updates = double(simulation.report(0).contact_count) * r.iterations;
+  const double time = median(samples);
   r.ms_per_step = time * 1e3;
+  const bool divided = run.on.gpus > 1;  // the stages of several GPUs are not timed
+  for (int k = 0; k < (divided ? 0 : run.repeats); ++k) stages.push_back(driven.timed_step());
+  const double updates = double(simulation.report(0).contact_count) * r.iterations;
   r.ns_per_contact_iteration = time * 1e9 / updates;
-  if (run.on.gpus > 1) return;  // the stages of several GPUs are not timed
-  for (int k = 0; k < run.repeats; ++k) stages.push_back(driven.timed_step());
+  if (divided) return;
   r.stages = median_times(stages);
   const double solve = r.stages.of(sim::Stage::solve);
   r.ns_per_contact_iteration_solver = solve * 1e9 / updates;

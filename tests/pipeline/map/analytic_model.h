@@ -27,7 +27,8 @@ struct AnalyticModel {
     using namespace map;
     const Contract& c = contract();
     OutcomeModel model;
-    for (const Variable& variable : c.variables) model.sampled.push_back({variable.minimum, variable.maximum});
+    for (const Variable& v : c.variables)  // a model of one vehicle has no numbers of a family
+      model.sampled.push_back(v.prior == "family" ? Range{0, 0} : Range{v.minimum, v.maximum});
     model.sampled[c.variable_index("slope_along")] = {0, 35};
     model.sampled[c.variable_index("slope_across")] = {0, 0};
     model.hash = "analytic";
