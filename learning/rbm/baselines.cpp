@@ -36,17 +36,35 @@ double LogisticModel::operator()(std::span<const double> variables) const {
   return 1 / (1 + std::exp(-sum));
 }
 
+namespace {
+
+/// Columns that are not zero throughout once they are standardised. The others have no weight, and products of many
+/// variables that a table does not use would make the system large.
+std::vector<std::size_t> varying_columns(const TrainingTable& table, const Standardisation& scaling) {
+  std::vector<std::size_t> columns;
+  for (std::size_t v = 0; v < table.variable_count; ++v)
+    for (std::size_t n = 0; n < table.row_count(); ++n)
+      if (scaling.standardised(v, table.row(n)[v]) != 0) {
+        columns.push_back(v);
+        break;
+      }
+  return columns;
+}
+
+}  // namespace
+
 LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> label, double ridge) {
   GONOGO_ASSERT(label.size() == table.row_count());
   const OneTorchThread one_thread;
   LogisticModel model;
   static_cast<Standardisation&>(model) = standardisation_of(table);
-  const std::int64_t rows = std::int64_t(table.row_count()), columns = std::int64_t(table.variable_count) + 1;
+  const std::vector<std::size_t> varying = varying_columns(table, model);
+  const std::int64_t rows = std::int64_t(table.row_count()), columns = std::int64_t(varying.size()) + 1;
   torch::Tensor x = torch::ones({rows, columns}, torch::kFloat64), y = torch::zeros({rows}, torch::kFloat64);
   auto cell = x.accessor<double, 2>();
   for (std::int64_t n = 0; n < rows; ++n) {
-    for (std::int64_t v = 0; v + 1 < columns; ++v)
-      cell[n][v] = model.standardised(std::size_t(v), table.row(std::size_t(n))[std::size_t(v)]);
+    for (std::size_t v = 0; v < varying.size(); ++v)
+      cell[n][std::int64_t(v)] = model.standardised(varying[v], table.row(std::size_t(n))[varying[v]]);
     y[n] = label[std::size_t(n)];
   }
   const torch::Tensor row_weight = torch::tensor(table.weight, torch::kFloat64);
@@ -61,7 +79,9 @@ LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> labe
     w = w - step;
     if (step.abs().max().item<double>() < 1e-10) break;
   }
-  model.weight.assign(w.data_ptr<double>(), w.data_ptr<double>() + w.numel());
+  model.weight.assign(table.variable_count + 1, 0.0);
+  for (std::size_t v = 0; v < varying.size(); ++v) model.weight[varying[v]] = w[std::int64_t(v)].item<double>();
+  model.weight.back() = w[columns - 1].item<double>();
   return model;
 }
 
