@@ -35,7 +35,8 @@ double p_ditch(double width, double depth, double friction_angle, double slope) 
 
 OutcomeModel ditch_model() {
   OutcomeModel model;
-  for (const Variable& v : contract().variables) model.sampled.push_back({v.minimum, v.maximum});
+  for (const Variable& v : contract().variables)  // a model of one vehicle has no numbers of a family
+    model.sampled.push_back(v.prior == "family" ? Range{0, 0} : Range{v.minimum, v.maximum});
   model.sampled[index("slope_along")] = {-10, 10};
   model.sampled[index("slope_across")] = {-10, 10};
   model.sampled[index("friction_angle")] = {10, 40};
