@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/math/random.h"
 
 namespace gonogo::campaign {
@@ -20,7 +21,7 @@ struct Direction {
   std::uint32_t m[7];
 };
 
-// Lines d = 2 .. 21 of new-joe-kuo-6.21201.
+// Lines d = 2 .. 37 of new-joe-kuo-6.21201: all polynomials of degree 7 and below.
 constexpr Direction kDirections[kSobolDimensions - 1] = {
     {1, 0, {1}},
     {2, 1, {1, 3}},
@@ -42,6 +43,22 @@ constexpr Direction kDirections[kSobolDimensions - 1] = {
     {6, 25, {1, 1, 5, 5, 19, 61}},
     {7, 1, {1, 3, 7, 11, 23, 15, 103}},
     {7, 4, {1, 3, 7, 13, 13, 15, 69}},
+    {7, 7, {1, 1, 3, 13, 7, 35, 63}},
+    {7, 8, {1, 3, 5, 9, 1, 25, 53}},
+    {7, 14, {1, 3, 1, 13, 9, 35, 107}},
+    {7, 19, {1, 3, 1, 5, 27, 61, 31}},
+    {7, 21, {1, 1, 5, 11, 19, 41, 61}},
+    {7, 28, {1, 3, 5, 3, 3, 13, 69}},
+    {7, 31, {1, 1, 7, 13, 1, 19, 1}},
+    {7, 32, {1, 3, 7, 5, 13, 19, 59}},
+    {7, 37, {1, 1, 3, 9, 25, 29, 41}},
+    {7, 41, {1, 3, 5, 13, 23, 1, 55}},
+    {7, 42, {1, 3, 7, 3, 13, 59, 17}},
+    {7, 50, {1, 3, 1, 3, 5, 53, 69}},
+    {7, 55, {1, 1, 5, 5, 23, 33, 13}},
+    {7, 56, {1, 1, 7, 7, 1, 61, 123}},
+    {7, 59, {1, 1, 7, 9, 13, 61, 49}},
+    {7, 62, {1, 3, 3, 5, 3, 55, 33}},
 };
 
 using DirectionNumbers = std::array<std::uint32_t, kBits>;
@@ -78,6 +95,7 @@ const DirectionNumbers& directions_of(int dimension) {
 }  // namespace
 
 std::uint32_t sobol(std::uint32_t index, int dimension) {
+  GONOGO_ASSERT(dimension >= 0 && dimension < kSobolDimensions);
   const DirectionNumbers& v = directions_of(dimension);
   const std::uint32_t gray = index ^ (index >> 1);
   std::uint32_t fraction = 0;

@@ -7,7 +7,7 @@
 namespace gonogo::campaign {
 
 /// Dimensions that there are direction numbers for.
-inline constexpr int kSobolDimensions = 21;
+inline constexpr int kSobolDimensions = 37;
 
 /// Coordinate `dimension` of point `index` of the Sobol' sequence in Gray-code order, as the fraction result / 2^32.
 /// Direction numbers: S. Joe and F. Y. Kuo, "Constructing Sobol sequences with better two-dimensional projections",
