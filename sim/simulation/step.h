@@ -186,21 +186,25 @@ void apply_forces(Exec exec, State<Exec>& s, const StepSettings& settings) {
 }
 
 template <class Exec>
+Integrate integration(State<Exec>& s, const StepSettings& settings) {
+  return {.world = s.world.view(),
+          .world_of_body = s.world_of_body.view(),
+          .mass = s.mass.view(),
+          .velocity = s.velocity.view(),
+          .earlier_velocity = s.earlier_velocity.view(),
+          .position = s.position.view(),
+          .orientation = s.orientation.view(),
+          .steps = s.steps.view(),
+          .slowed = s.slowed.view(),
+          .slowed_now = s.slowed_now.view(),
+          .flags = s.flags.view(),
+          .fault = s.fault.view(),
+          .settings = settings};
+}
+
+template <class Exec>
 void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  for_each_index(exec, s.body_count,
-                 Integrate{.world = s.world.view(),
-                           .world_of_body = s.world_of_body.view(),
-                           .mass = s.mass.view(),
-                           .velocity = s.velocity.view(),
-                           .earlier_velocity = s.earlier_velocity.view(),
-                           .position = s.position.view(),
-                           .orientation = s.orientation.view(),
-                           .steps = s.steps.view(),
-                           .slowed = s.slowed.view(),
-                           .slowed_now = s.slowed_now.view(),
-                           .flags = s.flags.view(),
-                           .fault = s.fault.view(),
-                           .settings = settings});
+  for_each_index(exec, s.body_count, integration(s, settings));
   finish_step(exec, s, settings);
 }
 

@@ -119,19 +119,7 @@ class PartStepper {
 
   /// What happens to a halo or shared body is counted by the part that owns it.
   void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
-    Integrate move{.world = s.world.view(),
-                   .world_of_body = s.world_of_body.view(),
-                   .mass = s.mass.view(),
-                   .velocity = s.velocity.view(),
-                   .earlier_velocity = s.earlier_velocity.view(),
-                   .position = s.position.view(),
-                   .orientation = s.orientation.view(),
-                   .steps = s.steps.view(),
-                   .slowed = s.slowed.view(),
-                   .slowed_now = s.slowed_now.view(),
-                   .flags = s.flags.view(),
-                   .fault = s.fault.view(),
-                   .settings = settings};
+    Integrate move = integration(s, settings);
     for_each_index(exec, part_.own_count(), FromIndex<Integrate>{move, part_.own_begin});
     move.slowed_now = {uncounted_.data(), 1};
     move.flags = {uncounted_.data() + 1, 1};
