@@ -21,7 +21,7 @@ namespace {
 
 void check_value(std::size_t variable, double x, const std::string& where) {
   const campaign::Variable& v = campaign::contract().variables[variable];
-  if (x < v.minimum || x > v.maximum)
+  if (!campaign::admits(v, x))
     throw gonogo::InputError(where + v.name + ": " + line("%g", x) + " lies outside " +
                              line("%g to %g ", v.minimum, v.maximum) + v.unit);
 }

@@ -32,15 +32,10 @@ std::span<const double> checked(const Points& points) {
   if (points.shape(1) != width)
     throw InputError("points: " + std::to_string(points.shape(1)) + " columns given, " + std::to_string(width) +
                      " needed, in the order of gonogo.variables()");
-  std::vector<double> low, high;
-  for (const campaign::Variable& v : variables) {
-    low.push_back(v.minimum);
-    high.push_back(v.maximum);
-  }
   const std::span all(points.data(), points.size());
   for (std::size_t row = 0; row < all.size(); row += width)
     for (std::size_t v = 0; v < width; ++v)
-      if (const double x = all[row + v]; x < low[v] || x > high[v]) refuse(variables, row + v, x);
+      if (const double x = all[row + v]; !campaign::admits(variables[v], x)) refuse(variables, row + v, x);
   return all;
 }
 

@@ -220,8 +220,9 @@ class PythonMachine final : public learning::Sampler {
   nb::callable draw_;
 };
 
-Rows sample_corrected(const ProblemArrays& arrays, outcome::DeviceChoice device, nb::callable draw, std::size_t reads,
-                      std::uint64_t seed, std::size_t sweeps) {
+Rows sample_corrected(const ProblemArrays& arrays, outcome::DeviceChoice device,
+                      nb::typed<nb::callable, nb::object(...)> draw, std::size_t reads, std::uint64_t seed,
+                      std::size_t sweeps) {
   device.machine = std::make_shared<PythonMachine>(std::move(draw));
   return sample_emulated(arrays, device, reads, seed, sweeps);
 }

@@ -23,7 +23,7 @@ void check_variables(const TrialRecord& record, std::vector<std::string>& faults
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
     const Variable& variable = contract().variables[i];
     const double value = record.point.variables[i];
-    if (!(value >= variable.minimum && value <= variable.maximum))
+    if (!std::isfinite(value) || !admits(variable, value))
       faults.push_back(trial_name(record) + line("%s is %g %s, allowed is [%g, %g]", variable.name.c_str(), value,
                                                  variable.unit.c_str(), variable.minimum, variable.maximum));
   }

@@ -212,7 +212,7 @@ void read_variables(const Config& section, DesignSpec& spec) {
     const bool is_ranged = ranges && ranges->has(variable.name), is_fixed = fixed && fixed->has(variable.name);
     spec.fixed.push_back(std::numeric_limits<double>::quiet_NaN());
     if (is_ranged) spec.ranges.push_back(read_range(*ranges, i, variable.minimum, variable.maximum));
-    if (is_fixed) spec.fixed.back() = fixed->number(variable.name, {variable.minimum, variable.maximum});
+    if (is_fixed) spec.fixed.back() = read_value(*fixed, variable.name, variable);
     if (is_ranged && is_fixed) fixed->fail(variable.name, "is under \"ranges\" too; keep one of the two");
     if (is_ranged || is_fixed) continue;
     if (const auto value = preset.fixed.find(variable.name); value != preset.fixed.end())
@@ -370,7 +370,7 @@ namespace {
 constexpr const char* kDensity = "proposal_density";
 
 void check_range(const fs::path& file, std::size_t line_number, const Variable& variable, double value) {
-  if (value < variable.minimum || value > variable.maximum)
+  if (!admits(variable, value))
     refuse_csv_line(file, line_number,
                     line("%s is %g %s, allowed is [%g, %g]", variable.name.c_str(), value, variable.unit.c_str(),
                          variable.minimum, variable.maximum));

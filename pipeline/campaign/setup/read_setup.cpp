@@ -353,7 +353,7 @@ std::vector<double> usual_values(const TrialSetup& setup) {
 void set_value(std::vector<double>& values, const std::string& name, double value, const std::string& where) {
   const std::size_t v = contract().variable_index(name);
   const Variable& variable = contract().variables[v];
-  if (!(value >= variable.minimum && value <= variable.maximum))
+  if (!std::isfinite(value) || !admits(variable, value))
     throw InputError(where + ": the value must be a number " + range_text(variable));
   values[v] = value;
 }

@@ -190,6 +190,11 @@ const Contract& contract() {
   return compiled_in;
 }
 
+double read_value(const Config& config, const std::string& key, const Variable& variable) {
+  if (is_task_variable(variable) && config.number(key) == 0) return 0;
+  return config.number(key, {variable.minimum, variable.maximum});
+}
+
 std::vector<TaskNumber> task_numbers(const std::string& type) {
   std::vector<TaskNumber> numbers;
   const std::string prefix = type + "_";

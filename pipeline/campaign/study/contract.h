@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json/json.h"
+#include "base/json/config.h"
 
 namespace gonogo::campaign {
 
@@ -112,6 +112,14 @@ const std::string& contract_text();
 
 inline bool is_family_variable(const Variable& v) { return v.prior == "family"; }
 inline bool is_task_variable(const Variable& v) { return v.prior == "task" || is_family_variable(v); }
+
+/// Whether a trial may have this value: NaN, where it is unknown, and 0 of a variable that only some trials have.
+inline bool admits(const Variable& v, double x) {
+  return !(x < v.minimum || x > v.maximum) || (x == 0 && is_task_variable(v));
+}
+
+/// The number at `key`, refused unless a trial may have it.
+double read_value(const Config& config, const std::string& key, const Variable& variable);
 
 /// Whether a table has a column for this variable, or measure. `with_task`: the table has those of some trials alone.
 inline bool has_column(const Variable& v, bool with_task) { return with_task || !is_task_variable(v); }

@@ -30,7 +30,6 @@ terrain::AngleMeaning read_meaning(const Config& config) {
 }
 
 Spread read_spread(const Config& config, const campaign::Variable& variable) {
-  const Range allowed = {variable.minimum, variable.maximum};
   Spread spread;
   if (int(config.has("fixed")) + int(config.has("range")) + int(config.has("unknown")) != 1)
     config.fail("", "expected exactly one of \"fixed\", \"range\" and \"unknown\"");
@@ -38,10 +37,10 @@ Spread read_spread(const Config& config, const campaign::Variable& variable) {
     spread.source = config.text("unknown");
   } else if (config.has("fixed")) {
     spread.kind = Spread::Kind::fixed;
-    spread.low = spread.high = config.number("fixed", allowed);
+    spread.low = spread.high = campaign::read_value(config, "fixed", variable);
     spread.source = config.text("source");
   } else {
-    const std::vector<double> range = config.numbers("range", allowed);
+    const std::vector<double> range = config.numbers("range", {variable.minimum, variable.maximum});
     if (range.size() != 2 || !(range[0] < range[1])) config.fail("range", "expected [low, high]");
     spread = {Spread::Kind::range, range[0], range[1], config.text("source")};
   }
@@ -111,7 +110,7 @@ SoilSample read_sample(const Config& config) {
   if (config.has("cone_index_kPa")) sample.cone_index = 1e3 * config.number("cone_index_kPa", {0, 10000});
   for (const campaign::Variable& variable : campaign::contract().variables) {
     if (variable.name == "slope_along" || variable.name == "slope_across" || !config.has(variable.name)) continue;
-    const double value = config.number(variable.name, {variable.minimum, variable.maximum});
+    const double value = campaign::read_value(config, variable.name, variable);
     sample.values[variable.name] = {Spread::Kind::fixed, value, value, sample.source};
   }
   if (const auto angle = sample.values.find("friction_angle"); angle != sample.values.end())

@@ -76,7 +76,7 @@ double cell_value(const std::filesystem::path& file, std::size_t number, const s
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
     refuse_csv_line(file, number,
                     variable.name + ": \"" + cell + "\" is not a number; leave the cell empty if it is unknown");
-  if (value < variable.minimum || value > variable.maximum)
+  if (!campaign::admits(variable, value))
     refuse_csv_line(file, number,
                     variable.name + ": " + cell + " lies outside " +
                         line("%g to %g ", variable.minimum, variable.maximum) + variable.unit);
