@@ -15,6 +15,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/evaluate/outcome_model.h"
+#include "pipeline/map/family_member.h"
 #include "pipeline/map/region/soil.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/answer/infer.h"
@@ -227,13 +228,10 @@ Region region_of_dem(const MapFiles& files) {
   return region;
 }
 
-Region region_of(const MapFiles& files, const std::optional<campaign::Study>& study, const OutcomeModel& model,
-                 const TrainedModel& trained) {
+Region region_of(const MapFiles& files, const std::optional<campaign::Study>& study) {
   if (!files.dem.empty()) {
     if (!files.region.empty()) throw InputError("map: --dem and --region are both given; keep one of them");
-    Region region = region_of_dem(files);
-    open_mission(region, model, trained);
-    return region;
+    return region_of_dem(files);
   }
   if (!files.cone_index.empty())
     throw InputError("map: --cone-index goes with --dem; a region file has its own key cone_index (docs/map.md)");
@@ -269,7 +267,18 @@ std::string vehicle_name(const std::filesystem::path& file) {
 
 constexpr std::size_t kOwnTrials = 600;  // that a vehicle's own model takes at least
 
-/// The model that was asked for, or the one that ships for the vehicle.
+/// How to make a vehicle's own model, and what that costs here.
+std::string own_model_text(const std::filesystem::path& file, const std::string& name, double gravity) {
+  const campaign::VehicleStudy study = campaign::study_of_vehicle(file, kOwnTrials, gravity);
+  const std::string own = name + "_study.json", folder = "out/" + name;
+  const std::string there = is_same_gravity(gravity, kGravity) ? "" : line(" --gravity %.4g", gravity);
+  return "To make its own: gonogo vehicle study " + file.string() + there + " --out " + own + "; gonogo campaign run " +
+         own + " --out " + folder + "; gonogo train --dataset " + folder + "/dataset.h5 --study " + own + " --out " +
+         folder + "/model.h5; then give --model " + folder +
+         "/model.h5. Cost: " + campaign::cost_text(study, kOwnTrials);
+}
+
+/// The model that was asked for, or the one that ships for the vehicle or for its family.
 std::filesystem::path model_file(const MapFiles& files) {
   if (!files.model.empty()) return find_model(files.model.string());
   const std::vector<std::string> names = vehicles_with_models();
@@ -280,13 +289,65 @@ std::filesystem::path model_file(const MapFiles& files) {
   const std::filesystem::path file = shipped_file("vehicles", "vehicle", files.vehicle.string());
   const std::string name = vehicle_name(file);
   if (std::count(names.begin(), names.end(), name) == 1) return find_model(name);
-  const campaign::VehicleStudy study = campaign::study_of_vehicle(file, kOwnTrials, kGravity);
-  const std::string own = name + "_study.json", folder = "out/" + name;
-  throw InputError(file.string() + ": the vehicle " + name + " has no model yet; " + shipped +
-                   ". To make its own: gonogo vehicle study " + file.string() + " --out " + own +
-                   "; gonogo campaign run " + own + " --out " + folder + "; gonogo train --dataset " + folder +
-                   "/dataset.h5 --study " + own + " --out " + folder + "/model.h5; then give --model " + folder +
-                   "/model.h5. Cost: " + campaign::cost_text(study, kOwnTrials));
+  if (const auto family = shipped_family_model()) return *family;
+  throw InputError(file.string() + ": the vehicle " + name + " has no model yet; " + shipped + ". " +
+                   own_model_text(file, name, kGravity));
+}
+
+/// Gravity of the ground that is mapped.
+double gravity_of(const Region& region) {
+  const auto source = terrain::RasterSource::open_elevation(region.elevation.files);
+  return ground_gravity(region, source.grid().body_radius);
+}
+
+/// Throws InputError for a model of a family that cannot answer for a vehicle.
+void check_family(const TrainedModel& trained, const std::filesystem::path& vehicle) {
+  const auto& sampled = trained.predictor->model().sampled_upper;
+  const auto has = [&](const char* name) { return sampled[campaign::contract().variable_index(name)] > 0; };
+  if (!has("load_number")) return;
+  const std::string of = trained.file.string() + ": is a model of a family";
+  if (!has("axles"))
+    throw InputError(of + "'s wheels by themselves, which stand on no ground of a map; give one of whole vehicles");
+  if (!trained.family)
+    throw InputError(of + ", and its trials, which say of which, are not beside it; give them with --dataset");
+  if (vehicle.empty())
+    throw InputError(of + ", " + trained.family->name +
+                     "; name one vehicle with --vehicle (gonogo vehicle new makes its file)");
+}
+
+/// Makes the model of a family one of the vehicle that is asked for: its trials, too.
+FamilyMember take_member(TrainedModel& trained, const std::filesystem::path& file, const Region& region) {
+  const campaign::TrialSettings settings =
+      campaign::settings_of(trained.dataset->provenance, trained.dataset_file.string());
+  FamilyMember member =
+      family_member(*trained.family, trained.gravity, vehicle::read_vehicle(file), gravity_of(region));
+  TrialVehicle driven{.name = member.vehicle.name,
+                      .vehicle = member.vehicle,
+                      .compliant_tyres = settings.compliant_tyres && member.numbers.wheel.deflection > 0,
+                      .wheel_rolling = settings.wheel_rolling,
+                      .table = terrain::read_calibration(
+                          Config::parse(*campaign::input_text(trained.dataset->provenance, "calibration"),
+                                        trained.dataset_file.string() + ": calibration")),
+                      .gravity = member.gravity,
+                      .file = Json::read(file)};
+  driven.table.grain_diameter *= member.scale.length;
+  trained.dataset = trials_of_member(*trained.dataset, member);
+  trained.vehicle = driven;
+  trained.gravity = member.gravity;
+  return member;
+}
+
+/// Says who answers, and what lies outside.
+void remark_member(OutcomeModel& model, const TrainedModel& trained, const FamilyMember& member,
+                   const std::filesystem::path& file) {
+  const std::string& name = member.vehicle.name;
+  model.remarks.push_back("no trial drove the vehicle " + name + ": " +
+                          std::to_string(trained.dataset->records.size()) + " trials of other vehicles of the family " +
+                          member.family.name + " answer at its numbers without dimension (docs/vehicles.md)");
+  const std::vector<std::string> outside = numbers_outside(member, model.sampled);
+  if (outside.empty()) return;
+  model.remarks.push_back(name + " lies outside the family, so that every cell is unknown: " + join_words(outside) +
+                          ". " + own_model_text(file, name, member.gravity));
 }
 
 }  // namespace
@@ -299,21 +360,31 @@ MapRequest read_map_request(const MapFiles& files) {
   check_moisture(files.moisture);
   std::optional<campaign::Study> study;
   if (!files.study.empty()) study = campaign::read_study(files.study);
-  const TrainedModel trained = read_trained_model(model_file(files), files.dataset);
+  TrainedModel trained = read_trained_model(model_file(files), files.dataset);
   if (crosses_ditches(trained.predictor->model()))
     throw InputError(trained.file.string() +
                      ": its trials cross ditches, so that it answers for ditches alone; give the vehicle's other model "
                      "with --model, and this one with --crossing-model");
-  if (!files.vehicle.empty()) require_vehicle(trained, files.vehicle);
-  if (study) require_study(trained, files.study);
   MapRequest request;
   request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
   request.model = outcome_model_of(trained);
-  request.region = region_of(files, study, request.model, trained);
+  add_members(request.model, files.members);
+  request.region = region_of(files, study);
+  const std::filesystem::path vehicle =
+      files.vehicle.empty() ? "" : shipped_file("vehicles", "vehicle", files.vehicle.string());
+  check_family(trained, vehicle);
+  if (trained.family) {
+    const FamilyMember member = take_member(trained, vehicle, request.region);
+    request.rules.values.merge(family_values(member, request.model.sampled));
+    request.model = model_of_member(request.model, member);
+    remark_member(request.model, trained, member, vehicle);
+  }
+  if (!vehicle.empty()) require_vehicle(trained, vehicle);
+  if (study) require_study(trained, files.study);
+  if (!files.dem.empty()) open_mission(request.region, request.model, trained);
   if (trained.vehicle) request.region.table = trained.vehicle->table;
   if (!files.height_unit.empty()) request.region.elevation.heights.unit = files.height_unit;
   if (files.flat_is_ground) request.region.elevation.heights.flat_is_ground = true;
-  add_members(request.model, files.members);
   add_measures(request.model, trained);
   if (!files.heading.empty()) set_heading(request.rules, files.heading, "map: --heading");
   if (files.dem.empty() && !files.moisture.empty()) request.rules.moisture = files.moisture;

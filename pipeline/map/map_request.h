@@ -33,8 +33,9 @@ struct MapFiles {
 
 /// Reads the model, the region and the rules. Variables of the mission that nobody gave take the range that trials
 /// sampled, where the region is an elevation raster alone; in a region file they are summed out. Throws InputError for
-/// files that cannot be used, for a model of another vehicle or other grains than asked, and without any region. For a
-/// vehicle without a model the message says how to make one, and what that costs here.
+/// files that cannot be used, for a model of another vehicle or other grains than asked, and without any region. The
+/// model of a family answers for any vehicle of it, at the gravity of the ground. For a vehicle without a model the
+/// message says how to make one, and what that costs here.
 /// Ditches of the region are answered by a model of trials that cross them: the one asked for, or the one that ships
 /// for the model's vehicle.
 MapRequest read_map_request(const MapFiles& files);

@@ -10,7 +10,6 @@
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/region/region.h"
 #include "pipeline/outcome/settings.h"
-#include "vehicle/family/numbers.h"
 #include "vehicle/model/assembly.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/world/engine_vehicle.h"
@@ -45,6 +44,18 @@ std::string vehicle_of(const fs::path& folder) {
   const fs::path file = folder / "dataset.h5";
   const auto vehicle = trial_vehicle(campaign::read_dataset(file).provenance, file.string());
   return vehicle ? vehicle->name : "";
+}
+
+/// Whether the trials of a model drove whole vehicles of a family.
+bool is_of_family(const learning::Model& model) {
+  return model.sampled_upper[campaign::contract().variable_index("axles")] > 0;
+}
+
+std::optional<vehicle::Family> trial_family(const campaign::Provenance& provenance, const std::string& where) {
+  const std::string* text = campaign::input_text(provenance, "vehicle");
+  if (!text) return std::nullopt;
+  const Config file = Config::parse(*text, where + ": vehicle");
+  return vehicle::is_family(file) ? std::optional(vehicle::read_family(file)) : std::nullopt;
 }
 
 bool is_of_ditches(const fs::path& folder) {
@@ -168,6 +179,14 @@ fs::path find_model(const std::string& model) {
   throw InputError(model + ": several shipped models are of this vehicle; name one of them: " + join_words(names));
 }
 
+std::optional<fs::path> shipped_family_model() {
+  std::vector<fs::path> found;
+  for (const fs::path& folder : shipped_models())
+    if (fs::is_regular_file(folder / "dataset.h5") && is_of_family(outcome::read_contract_model(folder / "model.h5")))
+      found.push_back(folder / "model.h5");
+  return found.size() == 1 ? std::optional(found.front()) : std::nullopt;
+}
+
 std::vector<std::string> vehicles_with_models() {
   std::vector<std::string> names;
   for (const fs::path& folder : shipped_models())
@@ -193,6 +212,7 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
   refuse_helpers(model);
   model.dataset = campaign::read_dataset(model.dataset_file);
   model.vehicle = trial_vehicle(model.dataset->provenance, model.dataset_file.string());
+  model.family = trial_family(model.dataset->provenance, model.dataset_file.string());
   const double of_trials = campaign::settings_of(model.dataset->provenance, model.dataset_file.string()).gravity;
   if (of_trials != model.gravity)
     throw InputError(model.dataset_file.string() + ": its trials had a gravity of " + gravity_text(of_trials) +

@@ -13,6 +13,7 @@
 #include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/outcome/answer/predictor.h"
 #include "terrain/soil/calibration.h"
+#include "vehicle/family/numbers.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::map {
@@ -38,9 +39,10 @@ struct TrainedModel {
   std::filesystem::path file{}, dataset_file{};  // dataset_file: empty without trials
   std::shared_ptr<const outcome::Predictor> predictor;
   std::optional<campaign::Dataset> dataset{};
-  std::optional<TrialVehicle> vehicle{};
-  double gravity = kGravity;  // of the trials that it learned from [m/s^2]
-  bool is_up_to_date = true;  // false: the dataset beside the model is not the one that it was trained on
+  std::optional<TrialVehicle> vehicle{};    // none where the trials drove a family
+  std::optional<vehicle::Family> family{};  // whose members the trials drove
+  double gravity = kGravity;                // of the trials that it learned from [m/s^2]
+  bool is_up_to_date = true;                // false: the dataset beside the model is not the one that it was trained on
 };
 
 /// The file of a model: `model` is a file, a folder that holds model.h5, the name of a shipped folder, or the vehicle
@@ -54,6 +56,9 @@ TrainedModel read_trained_model(const std::filesystem::path& file, const std::fi
 
 /// Vehicles of the models that ship, those of ditches left out.
 std::vector<std::string> vehicles_with_models();
+
+/// The model of whole vehicles of a family that ships; nothing where none or several do.
+std::optional<std::filesystem::path> shipped_family_model();
 
 /// Folders of the models that ship, sorted by name.
 std::vector<std::filesystem::path> shipped_models();

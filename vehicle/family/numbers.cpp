@@ -68,6 +68,11 @@ Family read_family(const Config& c) {
   return f;
 }
 
+MemberScale member_scale(const Family& family, double family_gravity, double diameter, double gravity) {
+  const double length = diameter / family.diameter, stress = length * gravity / family_gravity;
+  return {.length = length, .speed = std::sqrt(stress), .stress = stress};
+}
+
 double load_of(const Family& f, const WheelNumbers& n, double gravity) {
   return n.load * kFamilyDensity * gravity * n.width * f.diameter * f.diameter * f.diameter;
 }

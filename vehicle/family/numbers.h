@@ -50,6 +50,18 @@ struct Family {
 Family read_family(const Config& c);
 bool is_family(const Config& c);
 
+/// Factors from the size and gravity that a family is driven at to those of a member with equal numbers. Soil has one
+/// density at both, so that a cohesion number c / (rho g D) makes cohesions scale by `stress`.
+struct MemberScale {
+  double length = 1;  // D / D_f
+  double speed = 1;   // sqrt(g D / (g_f D_f)): equal v / sqrt(g D)
+  double stress = 1;  // g D / (g_f D_f)
+  double time() const { return length / speed; }
+};
+
+/// Of a member with wheels of this diameter [m] at this gravity, of a family driven at `family_gravity` [m/s^2].
+MemberScale member_scale(const Family& family, double family_gravity, double diameter, double gravity);
+
 /// The load that a wheel of these numbers has at the family's size [N].
 double load_of(const Family& family, const WheelNumbers& numbers, double gravity);
 

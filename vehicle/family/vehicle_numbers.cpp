@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "vehicle/family/data_sheet.h"
 #include "vehicle/model/assembly.h"
@@ -61,6 +62,14 @@ VehicleNumbers vehicle_numbers(const Vehicle& v, double gravity) {
   return n;
 }
 
+VehicleNumbers loaded(VehicleNumbers n, double mass_ratio) {
+  n.wheel.load *= mass_ratio;
+  n.wheel.deflection *= mass_ratio;
+  n.force /= mass_ratio;
+  n.power /= mass_ratio;
+  return n;
+}
+
 Vehicle canonical_vehicle(const Family& f, const VehicleNumbers& n, double gravity) {
   const double d = f.diameter, speed = std::sqrt(gravity * d), lug = n.wheel.lug < kNegligible ? 0 : n.wheel.lug * d;
   const double base = (n.axle_gap + n.axles - 1) * d, weight = 2 * n.axles * load_of(f, n.wheel, gravity);
@@ -109,6 +118,18 @@ std::vector<PlacedNumber> placed(const Family& f, const VehicleNumbers& n) {
       {"top_speed_number", "top speed over sqrt(g D)", n.top_speed, {}}};
   for (PlacedNumber& p : list) p.range = f.range.at(p.name);
   return list;
+}
+
+double excess(const PlacedNumber& n) {
+  if (n.value < n.range.minimum) return n.range.minimum > 0 ? 1 - n.value / n.range.minimum : n.range.minimum - n.value;
+  if (n.value > n.range.maximum) return n.value / n.range.maximum - 1;
+  return 0;
+}
+
+std::string place_text(const PlacedNumber& n) {
+  const double outside = excess(n);
+  if (outside == 0) return "inside";
+  return number_text(100 * outside, 2) + " % " + (n.value < n.range.minimum ? "below" : "above");
 }
 
 }  // namespace gonogo::vehicle

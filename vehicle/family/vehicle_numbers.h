@@ -21,6 +21,9 @@ struct VehicleNumbers {
 /// Throws InputError for vehicles on tracks or one wheel, and for one axle or more than four.
 VehicleNumbers vehicle_numbers(const Vehicle& v, double gravity);
 
+/// Of the vehicle with `mass_ratio` times its mass, the centre of mass where it was.
+VehicleNumbers loaded(VehicleNumbers numbers, double mass_ratio);
+
 /// The family's vehicle of these numbers: evenly spaced axles on wishbones, a motor in every wheel. Its springs scale
 /// as those of canonical_wheel(). Throws InputError for numbers that no vehicle has, such as overlapping wheels.
 Vehicle canonical_vehicle(const Family& family, const VehicleNumbers& numbers, double gravity);
@@ -33,5 +36,10 @@ struct PlacedNumber {
 };
 /// All numbers of a vehicle in the family.
 std::vector<PlacedNumber> placed(const Family& family, const VehicleNumbers& numbers);
+
+/// How far outside its range a number is, as a share of the nearest end; 0 inside.
+double excess(const PlacedNumber& n);
+/// "12 % above", or "inside"
+std::string place_text(const PlacedNumber& n);
 
 }  // namespace gonogo::vehicle

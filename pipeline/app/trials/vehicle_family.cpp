@@ -17,19 +17,6 @@
 namespace gonogo::app {
 namespace {
 
-/// How far outside its range a number is, as a share of the nearest end; 0 inside.
-double excess(const vehicle::PlacedNumber& n) {
-  if (n.value < n.range.minimum) return n.range.minimum > 0 ? 1 - n.value / n.range.minimum : n.range.minimum - n.value;
-  if (n.value > n.range.maximum) return n.value / n.range.maximum - 1;
-  return 0;
-}
-
-std::string place_text(const vehicle::PlacedNumber& n) {
-  const double outside = excess(n);
-  if (outside == 0) return "inside";
-  return number_text(100 * outside, 2) + " % " + (n.value < n.range.minimum ? "below" : "above");
-}
-
 struct NumbersOptions {
   std::string vehicle;
   double gravity = kGravity;
@@ -43,14 +30,14 @@ void show_numbers(const Globals& globals, const NumbersOptions& o) {
                      "number                    value  family's range     place     \n";
   std::size_t outside = 0;
   for (const vehicle::PlacedNumber& n : vehicle::placed(family, vehicle::vehicle_numbers(v, o.gravity))) {
-    outside += excess(n) > 0;
+    outside += vehicle::excess(n) > 0;
     text += line("%-20s %10.3g  %7.3g to %-7.3g  %-11s %s\n", n.name.c_str(), n.value, n.range.minimum, n.range.maximum,
-                 place_text(n).c_str(), n.about.c_str());
+                 vehicle::place_text(n).c_str(), n.about.c_str());
     list.push_back(Json::Object{{"name", n.name},
                                 {"value", n.value},
                                 {"range", Json::Array{n.range.minimum, n.range.maximum}},
-                                {"inside", excess(n) == 0},
-                                {"outside_share", excess(n)}});
+                                {"inside", vehicle::excess(n) == 0},
+                                {"outside_share", vehicle::excess(n)}});
   }
   text += outside == 0 ? "\nthe vehicle lies inside the family\n"
                        : "\nthe vehicle lies outside the family in " + std::to_string(outside) + " of its numbers\n";

@@ -1,0 +1,301 @@
+// A family's model asked about one vehicle: the same answers at the same numbers without dimension, at any size and
+// gravity, in closed form and through files.
+#include "pipeline/map/family_member.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/files/file.h"
+#include "base/json/config.h"
+#include "base/math/random.h"
+#include "pipeline/campaign/setup/setup.h"
+#include "pipeline/map/evaluate/soil_response.h"
+#include "pipeline/map/map_request.h"
+#include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/training/train_model.h"
+#include "terrain/raster/layer/slope.h"
+#include "terrain/raster/raster_source.h"
+#include "tests/pipeline/map/made_shapes.h"
+#include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
+#include "vehicle/family/vehicle_numbers.h"
+#include "vehicle/model/statics.h"
+
+using namespace gonogo;
+using namespace gonogo::campaign;
+using namespace gonogo::map;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kConfigs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+
+std::size_t index(const char* name) { return contract().variable_index(name); }
+std::size_t measure(const char* name) { return contract().measure_index(name); }
+
+vehicle::Family wheeled() { return vehicle::read_family(Config::read(kConfigs / "families/wheeled.json")); }
+
+/// Numbers of the HMMWV at the Earth, so that members of any size can be made with them.
+vehicle::VehicleNumbers some_numbers() {
+  vehicle::VehicleNumbers n = vehicle::vehicle_numbers(vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
+  n.top_speed = 3;
+  return n;
+}
+
+/// The vehicle with these numbers whose wheels have a diameter of `diameter` [m].
+vehicle::Vehicle vehicle_of(double diameter, double gravity, const vehicle::VehicleNumbers& numbers = some_numbers()) {
+  vehicle::Family family = wheeled();
+  family.diameter = diameter;
+  return vehicle::canonical_vehicle(family, numbers, gravity);
+}
+
+FamilyMember member_of(double diameter, double gravity) {
+  return family_member(wheeled(), kGravity, vehicle_of(diameter, gravity), gravity);
+}
+
+std::vector<double> point_of(std::initializer_list<std::pair<const char*, double>> values) {
+  std::vector<double> point(contract().variables.size(), 0);
+  for (const auto& [name, value] : values) point[index(name)] = value;
+  return point;
+}
+
+void set_numbers(std::vector<double>& point, const FamilyMember& member) {
+  std::vector<Range> sampled(contract().variables.size());
+  for (const vehicle::PlacedNumber& n : vehicle::placed(member.family, member.numbers))
+    if (n.name != "top_speed_number") sampled[index(n.name.c_str())] = n.range;
+  for (const auto& [name, spread] : family_values(member, sampled)) point[index(name.c_str())] = spread.low;
+}
+
+}  // namespace
+
+TEST_CASE("vehicles of equal numbers put equal questions to their family, at every size and gravity") {
+  const double base_cohesion = 3, base_bed = 0.2, base_speed = 2;
+  for (const double diameter : {0.25, 1.0, 1.7})
+    for (const double gravity : {kGravity, 3.71, 1.62}) {
+      INFO(diameter << " m, " << gravity << " m/s2");
+      const FamilyMember member = member_of(diameter, gravity);
+      const double stress = gravity * diameter / kGravity;
+      std::vector<double> point = point_of({{"slope_along", 12},
+                                            {"friction_angle", 31},
+                                            {"cohesion", base_cohesion * stress},
+                                            {"bed_depth", base_bed * diameter},
+                                            {"commanded_speed", base_speed * std::sqrt(stress)}});
+      set_numbers(point, member);
+      const std::vector<double> asked = family_point(member, point);
+      CHECK(asked[index("slope_along")] == 12);
+      CHECK(asked[index("friction_angle")] == 31);
+      CHECK(asked[index("cohesion")] == Approx(base_cohesion));
+      CHECK(asked[index("bed_depth")] == Approx(base_bed));
+      CHECK(asked[index("commanded_speed")] == Approx(base_speed));
+      CHECK(asked[index("load_number")] == Approx(some_numbers().wheel.load).epsilon(1e-6));
+      CHECK(asked[index("force_number")] == Approx(some_numbers().force).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("a payload is a heavier vehicle: the numbers are those of the vehicle with that mass") {
+  const double mass = member_of(0.9, kGravity).mass;
+  const FamilyMember member = member_of(0.9, kGravity);
+  std::vector<double> point = point_of({{"payload", 0.2 * mass}});
+  set_numbers(point, member);
+  const std::vector<double> asked = family_point(member, point);
+  vehicle::VehicleNumbers heavy = some_numbers();
+  heavy.wheel.load *= 1.2;
+  const vehicle::Vehicle loaded = vehicle_of(0.9, kGravity, heavy);
+  CHECK(vehicle::weigh(loaded).total == Approx(1.2 * mass));
+  CHECK(asked[index("load_number")] == Approx(vehicle::vehicle_numbers(loaded, kGravity).wheel.load));
+  CHECK(asked[index("deflection_ratio")] == Approx(1.2 * point[index("deflection_ratio")]));
+  CHECK(asked[index("power_number")] == Approx(point[index("power_number")] / 1.2));
+  CHECK(asked[index("payload")] == 0);
+  const vehicle::VehicleNumbers same = vehicle::loaded(some_numbers(), 1.2);
+  CHECK(asked[index("force_number")] == Approx(same.force));
+}
+
+TEST_CASE("measures come back at the member's scale, and its own trial keeps slip and share of the weight") {
+  const FamilyMember member = member_of(0.5, 1.62);
+  TrialRecord record;
+  record.point.variables = point_of({{"cohesion", 4}, {"commanded_speed", 2}});
+  set_numbers(record.point.variables, member);
+  record.verdict = Verdict::go;
+  record.measures.assign(contract().measures.size(), 1);
+  const vehicle::Vehicle canonical = vehicle_of(1, kGravity);
+  const double weight = vehicle::weigh(canonical).total * kGravity, own = member.mass * 1.62;
+  record.measures[measure("energy_per_metre")] = 0.3 * weight;
+  record.measures[measure("mean_torque")] = 0.1 * weight * 0.5 / 4;  // on each of 4 wheels with a radius of 0.5 m
+  record.measures[measure("slip")] = 0.25;
+  const Dataset trials = trials_of_member({{record}, {}}, member);
+  const TrialRecord& seen = trials.records.front();
+  CHECK(seen.measures[measure("energy_per_metre")] == Approx(0.3 * own));
+  CHECK(seen.measures[measure("mean_torque")] == Approx(0.1 * own * 0.25 / 4));
+  CHECK(seen.measures[measure("slip")] == 0.25);
+  CHECK(seen.measures[measure("sinkage")] == Approx(0.5));
+  CHECK(seen.measures[measure("mean_speed")] == Approx(std::sqrt(0.5 * 1.62 / kGravity)));
+  CHECK(seen.measures[measure("drive_time")] == Approx(std::sqrt(0.5 * kGravity / 1.62)));
+  CHECK(seen.point.variables[index("cohesion")] == Approx(4 * 0.5 * 1.62 / kGravity));
+  CHECK(seen.verdict == Verdict::go);
+}
+
+namespace {
+
+/// Trials of the family drawn from a closed form: heavy wheels and steep slopes stop. The first two lie at the ends.
+std::vector<TrialRecord> made_trials() {
+  std::vector<TrialRecord> records;
+  for (std::uint64_t i = 0; i < 400; ++i) {
+    TrialRecord record;
+    std::vector<double>& x = record.point.variables;
+    x.assign(contract().variables.size(), 0);
+    const auto draw = [&](const char* name, double low, double high) {
+      x[index(name)] = i < 2 ? (i == 0 ? low : high) : low + (high - low) * random_unit(5, i, index(name));
+    };
+    draw("slope_along", -20, 30);
+    draw("friction_angle", 20, 40);
+    draw("cohesion", 0, 15);
+    draw("load_number", 0.3, 5);
+    for (const vehicle::PlacedNumber& n : vehicle::placed(wheeled(), some_numbers()))
+      if (n.name != "top_speed_number" && n.name != "load_number") draw(n.name.c_str(), n.range.minimum, n.range.maximum);
+    draw("axles", 1.5, 4.5);
+    draw("relative_density", 0, 1);
+    draw("tyre_friction", 0.3, 1);
+    draw("bed_depth", 0.13, 0.3);
+    draw("commanded_speed", 1.2, 3);
+    const double p = 1 / (1 + std::exp(1.2 * (x[index("load_number")] - 2) + 0.15 * x[index("slope_along")] -
+                                       0.3 * (x[index("cohesion")] - 5)));
+    record.point.index = record.point.seed = i;
+    const bool go = random_unit(5, i, 100) < p;
+    record.verdict = go ? Verdict::go : Verdict::no_go;
+    record.reason = go ? Reason::none : Reason::sinkage;
+    record.measures.assign(contract().measures.size(), 0.1);
+    records.push_back(record);
+  }
+  return records;
+}
+
+/// data/family/dataset.h5 and model.h5 of a folder, trained once.
+fs::path copy_family(const TemporaryFolder& folder) {
+  const fs::path place = folder.path() / "data/family";
+  fs::create_directories(place);
+  const Provenance provenance{.study = R"({"study": "made", "seed": 1, "trial": {"compliant_tyres": true}})",
+                              .contract_hash = "",
+                              .program_version = "",
+                              .backend = "cpu",
+                              .inputs = {},
+                              .libraries = {},
+                              .files = {{"vehicle", read_file(kConfigs / "families/wheeled.json")},
+                                        {"calibration", read_file(kConfigs / "soils/calibration_32mm.json")}}};
+  write_dataset(place / "dataset.h5", {made_trials(), provenance});
+  static const std::string trained = [&] {
+    const Config quick = Config::parse(R"({"hidden": 4, "epochs": 40, "folds": 2})", "learning");
+    outcome::train_model(
+        {.dataset = place / "dataset.h5", .model = place / "model.h5", .seed = 3, .learning = quick, .design = {}});
+    return read_file(place / "model.h5");
+  }();
+  write_file_atomically(place / "model.h5", trained);
+  return place / "model.h5";
+}
+
+void write_region(const TemporaryFolder& folder, const std::string& keys = "") {
+  test::make_flat_ground(folder);
+  write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "flat",
+    "rasters": [{"role": "elevation", "file": "dem.tif", "source": "s", "licence": "l"}],
+    "values": {"friction_angle": {"fixed": 30, "source": "s"}, "cohesion": {"fixed": 4, "source": "s"},
+               "relative_density": {"fixed": 0.5, "source": "s"}, "bed_depth": {"fixed": 0.235, "source": "s"},
+               "tyre_friction": {"fixed": 0.8, "source": "s"}, "payload": {"fixed": 0, "source": "s"},
+               "commanded_speed": {"fixed": 1.939, "source": "s"}},
+    "texture": "sand")" + keys + "}");
+}
+
+MapFiles files_of(const TemporaryFolder& folder, const fs::path& model, const std::string& vehicle,
+                  const std::string& out) {
+  MapFiles files;
+  files.model = model;
+  files.region = folder / "region.json";
+  files.vehicle = vehicle;
+  files.out = folder / out;
+  return files;
+}
+
+bool says(const MapSummary& summary, const std::string& text) {
+  return std::any_of(summary.remarks.begin(), summary.remarks.end(),
+                     [&](const std::string& remark) { return contains(remark, text); });
+}
+
+}  // namespace
+
+TEST_CASE("a map of a vehicle that no trial drove is its family's answer at its numbers, and says so") {
+  const TemporaryFolder folder;
+  const fs::path model = copy_family(folder);
+  write_region(folder);
+  const MapFiles files = files_of(folder, model, "hmmwv", "map");
+  const MapRequest request = read_map_request(files);
+  const vehicle::Vehicle hmmwv = vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json");
+  const double diameter = 2 * hmmwv.wheel.front().radius;
+  const MapSummary summary = make_map(request);
+  CHECK(says(summary, "no trial drove the vehicle hmmwv: 400 trials of other vehicles of the family wheeled_family"));
+  std::vector<double> point = point_of({{"friction_angle", 30},
+                                        {"cohesion", 4 / diameter},
+                                        {"relative_density", 0.5},
+                                        {"tyre_friction", 0.8},
+                                        {"bed_depth", 0.235 / diameter},
+                                        {"commanded_speed", 1.939 / std::sqrt(diameter)}});
+  const FamilyMember member = family_member(wheeled(), kGravity, hmmwv, kGravity);
+  set_numbers(point, member);
+  const outcome::Predictor trained = outcome::Predictor::read(model);
+  std::vector<double> outcome(contract().outcomes.size());
+  const terrain::Tile p_go = terrain::RasterSource::open_as_it_lies(files.out / "p_go.tif").read({5, 5, 1, 1});
+  const auto dem = terrain::RasterSource::open_elevation(folder / "dem.tif");
+  const terrain::Tile slope = terrain::slope_degrees(dem.read({4, 4, 3, 3}), {10, 10});
+  point[index("slope_along")] = rounded_slope(slope.at(0, 0));
+  trained.outcome_probabilities(point, outcome);
+  double p = 0;
+  for (std::size_t o = 0; o < outcome.size(); ++o)
+    if (passes(contract().outcomes[o].verdict)) p += outcome[o];
+  CHECK(p_go.at(0, 0) == Approx(p).margin(1e-6));
+}
+
+TEST_CASE("a vehicle outside its family is unknown by number and amount, with what its own model costs") {
+  const TemporaryFolder folder;
+  const fs::path model = copy_family(folder);
+  write_region(folder);
+  const MapSummary summary = make_map(read_map_request(files_of(folder, model, "mgru3_rover", "map")));
+  CHECK(summary.area.share(Verdict::unknown) == 1);
+  CHECK(says(summary, "mgru3_rover lies outside the family, so that every cell is unknown: centre_height_ratio 0.5"));
+  CHECK(says(summary, "gonogo vehicle study"));
+  CHECK(says(summary, "Cost: 600 trials"));
+}
+
+TEST_CASE("a lunar rover is answered at the Moon's gravity, and more force than wheels can use counts as the most") {
+  const TemporaryFolder folder;
+  MapFiles files;
+  files.model = copy_family(folder);
+  files.dem = fs::path(GONOGO_SOURCE_DIR) / "data/viper_32mm/crater.tif";
+  files.soil = "grc1";
+  files.vehicle = "viper";
+  files.out = folder / "map";
+  const MapRequest request = read_map_request(files);
+  CHECK(request.model.gravity == 1.62);
+  CHECK(request.rules.values.at("force_number").low < 4.01);
+  CHECK(request.rules.values.at("load_number").low == Approx(1.7).epsilon(0.01));
+  const MapSummary summary = make_map(request);
+  CHECK(summary.gravity == 1.62);
+  CHECK_FALSE(says(summary, "lies outside the family"));
+  CHECK(summary.area.share(Verdict::unknown) < 1);
+}
+
+TEST_CASE("a family's model is refused without a vehicle, for tracks, and where its trials are gone") {
+  const TemporaryFolder folder;
+  const fs::path model = copy_family(folder);
+  write_region(folder);
+  const auto refusal = [&](const std::string& vehicle) {
+    return input_error([&] { read_map_request(files_of(folder, model, vehicle, "refused")); });
+  };
+  CHECK(contains(refusal(""), "is a model of a family, wheeled_family; name one vehicle with --vehicle"));
+  CHECK(contains(refusal("m113"), "the family has whole wheeled vehicles, and this is one on tracks"));
+  ::setenv("GONOGO_SHARE", folder.path().c_str(), 1);
+  MapFiles files = files_of(folder, {}, "fed_alpha", "shipped");
+  CHECK(read_map_request(files).model.vehicle == "fed_alpha");
+  ::unsetenv("GONOGO_SHARE");
+  fs::remove(folder.path() / "data/family/dataset.h5");
+  CHECK(contains(refusal("hmmwv"), "are not beside it; give them with --dataset"));
+  CHECK_FALSE(fs::exists(folder / "refused"));
+}
