@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The QGIS plug-in, headless: map, route and comparison of a hill, refusals, and cancelling.
+"""The QGIS plug-in, headless, as the plug-in manager installs its zip: map, route and comparison of a hill, refusals, and
+cancelling.
 
   qgis_provider.py <program gonogo>      Python of the system, with the package python3-qgis
 """
@@ -12,8 +13,9 @@ import tempfile
 import unittest
 
 os.environ["QT_QPA_PLATFORM"] = "offscreen"
-PLUGINS = pathlib.Path(__file__).resolve().parents[1] / "qgis"
-sys.path[:0] = [str(PLUGINS), "/usr/share/qgis/python/plugins"]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PLUGINS = pathlib.Path(tempfile.mkdtemp())  # of a user's profile
+sys.path[:0] = [str(PLUGINS), "/usr/share/qgis/python/plugins", "/usr/share/qgis/python", str(ROOT / "scripts")]
 
 from osgeo import gdal, osr  # noqa: E402
 from qgis.core import (QgsApplication, QgsPointXY, QgsProcessingContext, QgsProcessingException,  # noqa: E402
@@ -58,6 +60,10 @@ class Provider(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         import processing
+        from pyplugin_installer.unzip import unzip
+        from qgis_zip import pack
+
+        unzip(str(pack(pathlib.Path(tempfile.mkdtemp()) / "gonogo.zip")), str(PLUGINS))
         from gonogo import classFactory
 
         cls.plugin = classFactory(None)
@@ -71,6 +77,15 @@ class Provider(unittest.TestCase):
         context = QgsProcessingContext()
         context.setProject(QgsProject.instance())
         return self.processing.run("gonogo:" + name, parameters, feedback=feedback or Feedback(), context=context)
+
+    def test_the_plugin_manager_accepts_it(self):
+        from pyplugin_installer.installer_data import plugins
+
+        found = plugins.getInstalledPlugin("gonogo", str(PLUGINS / "gonogo"), readOnly=False)
+        self.assertEqual((found["name"], found["error"]), ("gonogo", ""), found["error_details"])
+        self.assertTrue(pathlib.Path(found["icon"]).is_file())
+        self.assertTrue((PLUGINS / "gonogo/LICENSE").is_file())
+        self.assertEqual([entry.name for entry in PLUGINS.iterdir()], ["gonogo"])
 
     def test_it_offers_three_algorithms(self):
         provider = QgsApplication.processingRegistry().providerById("gonogo")

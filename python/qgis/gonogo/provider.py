@@ -1,5 +1,8 @@
 """The group "gonogo" of the Processing toolbox."""
+from pathlib import Path
+
 from qgis.core import QgsProcessingProvider
+from qgis.PyQt.QtGui import QIcon
 
 from .compare import CompareAlgorithm
 from .map import MapAlgorithm
@@ -16,6 +19,9 @@ class GonogoProvider(QgsProcessingProvider):
 
     def longName(self):
         return "gonogo: Go/NoGo mobility maps"
+
+    def icon(self):
+        return QIcon(str(Path(__file__).parent / "icon.svg"))
 
     def load(self):
         from processing.core.ProcessingConfig import ProcessingConfig, Setting
