@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The program's files against the real clients, installed from PyPI into a throw-away virtual environment.
-#   scripts/interop.sh [gonogo]        exit status 77: PyPI cannot be reached, nothing was checked
+# The program's files against the real clients, installed from PyPI into a throw-away virtual environment, and the test
+# rasters and shapes of other packages against the program.
+#   scripts/interop.sh [gonogo]        exit status 77: PyPI or Debian's packages cannot be reached, not all was checked
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -14,3 +15,4 @@ if ! "$venv/bin/pip" install --quiet 'dimod==0.12.*' 'dwave-cloud-client[mocks]=
   exit 77
 fi
 "$venv/bin/python" tests/interop/ocean.py "$program" .
+/usr/bin/python3 tests/interop/files.py "$program"
