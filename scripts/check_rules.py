@@ -159,6 +159,14 @@ def exceptions(tree):
 
 
 @rule
+def one_parallel_loop(tree):
+    """An exception that leaves a thread of OpenMP ends the process. Kernels of base/parallel are compiled for GPUs and cannot throw."""
+    names = [name for name in tree.sources(tests=False) if not name.startswith("base/parallel/")]
+    for place in tree.find(names, r"#\s*pragma omp (parallel|for|critical|task|sections)"):
+        yield f"{place}: loop by base/parallel/host_loop.h, which carries out what a thread throws"
+
+
+@rule
 def whole_files(tree):
     names = [name for name in tree.sources() if not name.startswith(("base/", "tests/", "examples/"))]
     for place in tree.find(names, r"std::ofstream(?!.*(std::ios::app|may be lost))|std::fopen\([^)]*\"w"):

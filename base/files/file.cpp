@@ -139,9 +139,44 @@ std::optional<FileLock> lock_folder_if_free(const fs::path& folder) {
   return FileLock::take(folder / ".lock", FileLock::Kind::exclusive);
 }
 
+namespace {
+
+/// Whether one of the process's open files holds a lock and is this one.
+bool holds(const fs::path& process, const fs::path& lock) {
+  std::error_code denied;
+  for (const auto& entry : fs::directory_iterator(process / "fd", denied)) {
+    std::error_code closed;
+    if (fs::read_symlink(entry.path(), closed) != lock || closed) continue;
+    std::ifstream about(process / "fdinfo" / entry.path().filename());
+    for (std::string line; std::getline(about, line);)
+      if (line.rfind("lock:", 0) == 0) return true;
+  }
+  return false;
+}
+
+/// " (process 1234, gonogo-map)" of this machine, as far as /proc shows it; empty for processes of other machines or
+/// users.
+std::string holder_of(const fs::path& lock) {
+  std::error_code failed;
+  const fs::path whole = fs::canonical(lock, failed);
+  if (failed) return "";
+  for (const auto& entry : fs::directory_iterator("/proc", failed)) {
+    const std::string number = entry.path().filename().string();
+    if (number.find_first_not_of("0123456789") != std::string::npos || !holds(entry.path(), whole)) continue;
+    std::ifstream file(entry.path() / "comm");
+    std::string name;
+    std::getline(file, name);
+    return " (process " + number + ", " + name + ")";
+  }
+  return "";
+}
+
+}  // namespace
+
 FileLock lock_folder(const fs::path& folder) {
   if (std::optional<FileLock> lock = lock_folder_if_free(folder)) return std::move(*lock);
-  throw InputError(folder.string() + ": another run is using this folder; wait for it or choose another folder");
+  throw InputError(folder.string() + ": another run is using this folder" + holder_of(folder / ".lock") +
+                   "; wait for it or choose another folder");
 }
 
 }  // namespace gonogo

@@ -35,8 +35,10 @@ void for_each_team(Cpu exec, Index count, const Body& body) {
     for (Index i = 0; i < count; ++i) body(LoneThread{}, i);
     return;
   }
+  FirstError error;
 #pragma omp parallel for schedule(static) num_threads(exec.threads)
-  for (Index i = 0; i < count; ++i) body(LoneThread{}, i);
+  for (Index i = 0; i < count; ++i) error.guard([&] { body(LoneThread{}, i); });
+  error.rethrow();
 }
 
 /// A team's room as an array of other numbers.
@@ -49,12 +51,15 @@ GONOGO_HD T* room_of(double* room) {
 template <class Body>
 void for_each_team(Cpu exec, Index count, const TeamShape& shape, const Body& body) {
   const std::size_t numbers = (shape.room + sizeof(double) - 1) / sizeof(double);
+  FirstError error;
 #pragma omp parallel num_threads(exec.threads > 0 ? exec.threads : 1)
   {
-    std::vector<double> room(numbers);
+    std::vector<double> room;
+    error.guard([&] { room.resize(numbers); });
 #pragma omp for schedule(static)
-    for (Index i = 0; i < count; ++i) body(LoneThread{}, i, room.data());
+    for (Index i = 0; i < count; ++i) error.guard([&] { body(LoneThread{}, i, room.data()); });
   }
+  error.rethrow();
 }
 
 #ifdef __CUDACC__

@@ -260,7 +260,7 @@ void refuse_foreign_file(std::string_view bytes, const std::string& source) {
 
 namespace {
 
-constexpr const char* kSidecarFormat = "gonogo/sidecar/2";
+constexpr const char* kSidecarFormat = "gonogo/sidecar/3";
 
 Json embedding_json(const EmbeddingRecord& embedding) {
   Json json, chains = Json::array(), uncoupled = Json::array();
@@ -356,7 +356,7 @@ Json to_json(const ProblemSidecar& sidecar) {
 
 ProblemSidecar sidecar_from_json(const Config& config) {
   if (config.text("format") != kSidecarFormat)
-    config.fail("format", std::string("expected \"") + kSidecarFormat + "\"");
+    config.fail("format", std::string("expected \"") + kSidecarFormat + "\"; export the problem again");
   const JsonReader reader(config.json(), config.file().string(), "");
   ProblemSidecar sidecar;
   sidecar.problem_hash = config.text("problem_hash");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "learning/sampler/chains/bipartite.h"
 
 namespace gonogo::learning {
@@ -97,8 +98,8 @@ void LadderChains::run(std::span<const RbmWeights> ladder, std::size_t sweeps) {
   std::vector<std::vector<double>> transposed;
   for (const RbmWeights& machine : ladder) transposed.push_back(transpose(machine));
   std::vector<Tally> tallies(chains_, {std::vector<double>(rungs_), std::vector<double>(rungs_)});
-#pragma omp parallel for schedule(static)
-  for (std::size_t chain = 0; chain < chains_; ++chain) run_chain(ladder, transposed, sweeps, chain, tallies[chain]);
+  for_each_on_host(chains_, 1,
+                   [&](std::size_t chain) { run_chain(ladder, transposed, sweeps, chain, tallies[chain]); });
   sweeps_done_ += sweeps;
   acceptance_.assign(rungs_ - 1, 1.0);
   for (std::size_t r = 0; r + 1 < rungs_; ++r) {

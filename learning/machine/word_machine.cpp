@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/math/random.h"
+#include "base/parallel/host_loop.h"
 
 namespace gonogo::learning {
 namespace {
@@ -201,8 +202,7 @@ void WordChains::run_chain(const WordMachine& machine, std::size_t sweeps, std::
 void WordChains::run(const WordMachine& machine, std::size_t sweeps) {
   if (words_.empty()) start(machine);
   GONOGO_ASSERT(machine.groups().size() == groups_);
-#pragma omp parallel for schedule(static)
-  for (std::size_t chain = 0; chain < chains_; ++chain) run_chain(machine, sweeps, chain);
+  for_each_on_host(chains_, 1, [&](std::size_t chain) { run_chain(machine, sweeps, chain); });
   sweeps_done_ += sweeps;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/math/random.h"
+#include "base/parallel/host_loop.h"
 #include "learning/model/posterior_parts.h"
 
 namespace gonogo::learning {
@@ -182,8 +183,7 @@ class Posterior::TemperedChain {
 JointAnswer Posterior::joint_sample(const Question& asked, const MarginalOptions& options) const {
   if (options.chains < 2 || options.rungs < 1) throw InputError("posterior: two chains and one rung at least");
   std::vector<std::vector<std::vector<double>>> means(options.chains);  // [chain][unknown, then outcome][bin]
-#pragma omp parallel for schedule(static)
-  for (std::size_t chain = 0; chain < options.chains; ++chain) {
+  for_each_on_host(options.chains, 1, [&](std::size_t chain) {
     TemperedChain replicas(*this, asked, options, chain);
     std::vector<std::vector<double>> now;
     for (std::size_t sweep = 0; sweep < options.burn_in + options.sweeps; ++sweep) {
@@ -195,7 +195,7 @@ JointAnswer Posterior::joint_sample(const Question& asked, const MarginalOptions
         for (std::size_t bin = 0; bin < now[k].size(); ++bin)
           means[chain][k][bin] += now[k][bin] / double(options.sweeps);
     }
-  }
+  });
   const auto summary = [&](std::size_t k, std::vector<double>& probability, std::vector<double>& error) {
     const double n = double(options.chains);
     for (std::size_t bin = 0; bin < means[0][k].size(); ++bin) {
@@ -318,8 +318,7 @@ JointAnswer Posterior::joint_drawn(const Question& asked, const MarginalOptions&
     nothing.bins.emplace_back(prior.back().size(), 0.0);
   }
   std::vector<DrawnSums> group(options.chains, nothing);
-#pragma omp parallel for schedule(static)
-  for (std::size_t g = 0; g < group.size(); ++g) draw_group(asked, prior, options, g, group[g]);
+  for_each_on_host(group.size(), 1, [&](std::size_t g) { draw_group(asked, prior, options, g, group[g]); });
   std::vector<double> part(group.size()), weight;
   double total = 0;
   for (const DrawnSums& sums : group) {

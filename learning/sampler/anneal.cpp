@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "learning/sampler/chains/spins.h"
 #include "learning/sampler/sampler.h"
@@ -85,15 +86,12 @@ SampleSet anneal(const Problem& problem, const SampleRequest& request, const Sam
   rows.info["beta_start"] = beta.start;
   rows.info["beta_end"] = beta.end;
   rows.info["schedule"] = beta.geometric ? "geometric" : "linear";
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t first = 0; first < request.reads; first += kLanes) {
-    if (cancel_requested()) continue;
+  for_each_on_host((request.reads + kLanes - 1) / kLanes, 1, [&](std::size_t group) {
     if (single)
-      anneal_lanes<float>(beta, graph, problem, request, first, rows);
+      anneal_lanes<float>(beta, graph, problem, request, group * kLanes, rows);
     else
-      anneal_lanes<double>(beta, graph, problem, request, first, rows);
-  }
-  stop_if_cancelled();
+      anneal_lanes<double>(beta, graph, problem, request, group * kLanes, rows);
+  });
   return rows;
 }
 

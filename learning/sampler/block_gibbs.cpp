@@ -2,6 +2,7 @@
 // right. Random numbers depend on (seed, chain, sweep, unit) alone, so bits depend neither on threads nor on the other
 // chains. On a GPU rows differ, and large machines are refused: chains/gpu_chains.h.
 #include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "learning/encoding/encoder.h"
 #include "learning/sampler/chains/bipartite.h"
@@ -55,10 +56,7 @@ void run_chain(const SampleRequest& request, std::size_t chain, BlockRows& rows)
 }
 
 void run_on_cpu(const SampleRequest& request, BlockRows& rows) {
-#pragma omp parallel for schedule(static)
-  for (std::size_t chain = 0; chain < request.reads; ++chain)
-    if (!cancel_requested()) run_chain(request, chain, rows);
-  stop_if_cancelled();
+  for_each_on_host(request.reads, 1, [&](std::size_t chain) { run_chain(request, chain, rows); });
 }
 
 /// Between two looks at whether the user wants to stop.
@@ -93,12 +91,11 @@ SampleSet sample_blocks(const Problem& problem, const SampleRequest& request, co
     for (std::size_t chain = 0; chain < request.reads; ++chain) rows.take(chain, request.start->row(chain));
   }
   setting<bool>(settings, "on_gpu") ? run_on_gpu(request, rows) : run_on_cpu(request, rows);
-#pragma omp parallel for schedule(static)
-  for (std::size_t chain = 0; chain < request.reads; ++chain) {
+  for_each_on_host(request.reads, 64, [&](std::size_t chain) {
     const auto row = std::span(result.values).subspan(chain * n, n);
     rows.give(chain, row, problem.vartype == Vartype::spin);
     result.energies[chain] = energy(problem, row);
-  }
+  });
   return result;
 }
 

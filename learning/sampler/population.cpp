@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "learning/sampler/chains/spins.h"
 #include "learning/sampler/sampler.h"
@@ -44,10 +45,8 @@ SampleSet anneal_population(const Problem& problem, const SampleRequest& request
   double log_z = double(graph.size()) * std::log(2.0) - beta_end * ising.offset;
   for (std::size_t step = 0; step <= steps; ++step) {
     const double beta = beta_end * double(step) / double(steps);
-    stop_if_cancelled();
     if (step > 0) log_z += resample(population, beta_end / double(steps), random_unit(request.seed, kResampling, step));
-#pragma omp parallel for schedule(static)
-    for (std::size_t k = 0; k < members; ++k) {
+    for_each_on_host(members, 4, [&](std::size_t k) {
       ChainRandom random(request.seed, k, graph.size());
       random.begin(0);
       if (step == 0) population[k].randomise(random);
@@ -55,7 +54,7 @@ SampleSet anneal_population(const Problem& problem, const SampleRequest& request
         random.begin(1 + (step - 1) * sweeps + sweep);
         population[k].sweep(beta, random);
       }
-    }
+    });
   }
   SampleSet rows = empty_rows(problem, request.reads);
   for (std::size_t r = 0; r < request.reads; ++r)

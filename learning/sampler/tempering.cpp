@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "learning/sampler/chains/spins.h"
 #include "learning/sampler/sampler.h"
@@ -97,15 +98,12 @@ SampleSet temper(const Problem& problem, const SampleRequest& request, const Sam
     beta.push_back(beta_end * std::pow(beta_start / beta_end, double(count - 1 - t) / double(count - 1)));
   const bool sparse = double(graph.neighbour.size()) < kDenseDegree * double(graph.size());
   SampleSet rows = empty_rows(problem, request.reads);
-#pragma omp parallel for schedule(static)
-  for (std::size_t number = 0; number < (request.reads + 1) / 2; ++number) {
-    if (cancel_requested()) continue;
+  for_each_on_host((request.reads + 1) / 2, 1, [&](std::size_t number) {
     TemperingRun run(graph, beta, sparse, request.seed, number);
     for (std::size_t sweep = 0; sweep < request.sweeps; ++sweep) run.sweep(sweep);
     for (std::size_t set = 0; set < 2 && 2 * number + set < request.reads; ++set)
       set_row(rows, 2 * number + set, problem, run.cold(set));
-  }
-  stop_if_cancelled();
+  });
   return rows;
 }
 

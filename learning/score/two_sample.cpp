@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/math/random.h"
+#include "base/parallel/host_loop.h"
 #include "learning/model/weights.h"
 #include "learning/training.h"
 
@@ -205,8 +206,7 @@ double two_sample_auc(const ScoredRows& a, const ScoredRows& b, const BoostSetti
     }
   }
   std::vector<double> score(rows.count());
-#pragma omp parallel for schedule(dynamic, 1)
-  for (std::size_t f = 0; f < folds; ++f) {
+  for_each_on_host(folds, 1, [&](std::size_t f) {
     std::vector<std::size_t> fitted;
     std::vector<int> fitted_label;
     for (std::size_t n = 0; n < rows.count(); ++n) {
@@ -217,7 +217,7 @@ double two_sample_auc(const ScoredRows& a, const ScoredRows& b, const BoostSetti
     const BoostedTrees trees(rows.subset(fitted), fitted_label, settings);
     for (std::size_t n = 0; n < rows.count(); ++n)
       if (fold[n] == f) score[n] = trees(rows.row(n));
-  }
+  });
   return weighted_auc(score, label, rows.weight);
 }
 

@@ -3,8 +3,11 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <memory>
 
+#include "base/format.h"
+#include "base/units.h"
 #include "python/src/binding.h"
 #include "sim/simulation/simulation.h"
 #include "terrain/bed/bed.h"
@@ -17,7 +20,10 @@ namespace {
 /// Worlds by number, checked: the engine trusts its indices.
 class Batch {
  public:
-  Batch(const std::vector<sim::SceneWorld>& worlds, const sim::StepSettings& settings, int threads, bool gpu) {
+  /// `watched`: says which step was not solved first. Beds of grains take loose steps on purpose.
+  Batch(const std::vector<sim::SceneWorld>& worlds, const sim::StepSettings& settings, int threads, bool gpu,
+        bool watched)
+      : group_(watched && !gpu ? 1 : 10), watched_(watched) {
     if (worlds.empty()) throw InputError("simulation: at least one world is needed");
     for (const sim::SceneWorld& w : worlds) {
       size_.push_back(
@@ -58,20 +64,42 @@ class Batch {
   }
   std::size_t size() const { return size_.size(); }
 
-  /// Steps in small groups, between which Ctrl-C is seen.
-  void advance(Index count) {
+  /// Steps in small groups, between which Ctrl-C is seen. Returns a sentence when the first step of all is met that is
+  /// not solved, otherwise nothing.
+  std::string advance(Index count) {
     if (count < 0) throw InputError("step: " + std::to_string(count) + " steps asked, at least 0 needed");
-    constexpr Index group = 10;
-    for (Index done = 0; done < count; done += group) {
+    const bool known = !unsolved_.empty();
+    for (Index done = 0; done < count; done += group_) {
       stop_if_cancelled();
-      simulation_->advance(std::min(group, count - done));
+      simulation_->advance(std::min(group_, count - done));
+      if (watched_ && unsolved_.empty()) look_for_unsolved();
     }
+    return known ? "" : unsolved_;
   }
+  const std::string& unsolved() const { return unsolved_; }
   double step() const { return simulation_->settings().step; }
 
  private:
+  /// A step is not solved when its residual is above the tolerance and above half of what gravity adds in a step:
+  /// contacts then do not carry the weights on them.
+  void look_for_unsolved() {
+    const sim::StepSettings& s = simulation_->settings();
+    const double bound = std::max(double(s.tolerance), 0.5 * kGravity * double(s.substep()));
+    const std::vector<sim::StepReport> reports = simulation_->reports();
+    for (std::size_t w = 0; w < reports.size() && unsolved_.empty(); ++w)
+      if (reports[w].max_residual > bound)
+        unsolved_ = line(
+            "simulation: the step that ends at %.4g s is not solved in world %zu: its residual is %.2g m/s after %d "
+            "iterations, above %.2g m/s, so that forces and motion are wrong; give more than iterations=%d, or let "
+            "masses that touch differ less",
+            reports[w].time, w, reports[w].max_residual, int(reports[w].iterations), bound, int(s.iterations));
+  }
+
   std::vector<WorldParts> size_;
   std::unique_ptr<sim::Simulation> simulation_;
+  Index group_;
+  bool watched_;
+  std::string unsolved_;
 };
 
 sim::StepSettings settings_of(double step, int iterations, double tolerance, std::optional<double> grain_diameter,
@@ -115,7 +143,7 @@ void bind_simulation(nb::module_& m) {
              std::optional<double> grain_diameter, int substeps, int threads, bool gpu,
              const std::optional<std::string>& target) {
             const auto settings = settings_of(step, iterations, tolerance, grain_diameter, substeps, target);
-            new (self) Batch(worlds, settings, threads, gpu);
+            new (self) Batch(worlds, settings, threads, gpu, !grain_diameter);
           },
           "worlds"_a, "step"_a = 1e-3, "iterations"_a = 100, "tolerance"_a = 0.0,
           "grain_diameter"_a.none() = nb::none(), "substeps"_a = 1, "threads"_a = 1, "gpu"_a = false,
@@ -123,12 +151,23 @@ void bind_simulation(nb::module_& m) {
           "Step [s]; max iterations of the solver in a substep; residual at which it stops [m/s]. A grain diameter [m] "
           "sets the tolerances of contacts as beds of such grains need them. target: \"coulomb\", Coulomb's law, or "
           "\"ccp\", "
-          "the convex relaxation, in which a sliding contact opens by friction x speed x step. None: coulomb, and ccp "
+          "the convex relaxation, in which a sliding contact opens by friction x speed x step. "
+          "None: coulomb, and ccp "
           "for "
           "a grain diameter, since the tables of soils are measured with it.")
       .def(
-          "step", [](Batch& b, Index count) { long_call([&] { b.advance(count); }); }, "count"_a = 1,
-          "Takes steps of all worlds.")
+          "step",
+          [](Batch& b, Index count) {
+            const std::string sentence = long_call([&] { return b.advance(count); });
+            if (!sentence.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), 1) < 0)
+              throw nb::python_error();
+          },
+          "count"_a = 1,
+          "Takes steps of all worlds. Warns once, with RuntimeWarning, when the contacts of a step are not solved.")
+      .def_prop_ro(
+          "unsolved", [](const Batch& b) { return b.unsolved(); },
+          "The sentence on the first step that was not solved; empty while there is none. Not for worlds with a grain "
+          "diameter, which take loose steps on purpose.")
       .def("__len__", &Batch::size)
       .def_prop_ro("step_size", &Batch::step, "[s]")
       .def(

@@ -191,3 +191,29 @@ def test_a_cube_slides_flat_by_coulombs_law():
     assert highest < 1e-3
     with pytest.raises(gonogo.InputError, match="coulomb"):
         gonogo.Simulation([world], target="colomb")
+
+
+def stack(ratio, **settings):
+    """A heavy box on a light one, and the weight that the light one bears [N]."""
+    world = gonogo.World((4, 4, 4))
+    world.add_floor(0.0, material=1)
+    light = world.add_box((2, 2, 0.1), (0.1, 0.1, 0.1), density=1000)
+    heavy = world.add_box((2, 2, 0.4), (0.2, 0.2, 0.2), density=1000 * ratio / 8)
+    return gonogo.Simulation([world], step=1e-3, tolerance=1e-6, **settings), light, heavy, 8 * ratio * 9.81
+
+
+def test_a_step_that_is_not_solved_is_told_once():
+    simulation, light, heavy, weight = stack(10_000, iterations=200)
+    with pytest.warns(RuntimeWarning, match="is not solved in world 0.*iterations=200") as told:
+        simulation.step(3)
+        simulation.step(3)
+    assert len(told) == 1 and simulation.unsolved == str(told[0].message)
+    assert abs(simulation.contact_force(heavy)[2] - weight) > 0.2 * weight
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_light_box_bears_a_heavy_one_when_the_steps_are_solved():
+    simulation, light, heavy, weight = stack(10, iterations=200)
+    simulation.step(200)
+    assert simulation.unsolved == ""
+    assert simulation.contact_force(heavy)[2] == pytest.approx(weight, rel=1e-3)

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/progress.h"
 #include "base/units.h"
 
 namespace gonogo::terrain {
@@ -129,6 +130,7 @@ Estimated moments(const std::vector<Candidate>& grid, const std::vector<double>&
 std::vector<double> weights_of(std::vector<Candidate>& grid, const std::vector<Clue>& clues) {
   double most = -1e300;
   for (Candidate& s : grid) {
+    stop_if_cancelled();
     for (const Clue& clue : clues) s.log_weight -= 0.5 * std::pow((clue.given - clue.shown(s)) / clue.error, 2);
     most = std::max(most, s.log_weight);
   }

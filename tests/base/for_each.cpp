@@ -1,11 +1,15 @@
 #include "base/parallel/for_each.h"
 
 #include <algorithm>
+#include <atomic>
+#include <memory>
+#include <new>
 #include <numeric>
 #include <vector>
 
 #include "base/error.h"
 #include "base/parallel/host_loop.h"
+#include "base/parallel/team.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 
@@ -72,5 +76,31 @@ TEST_CASE("a loop of the host calls every index once and carries the first excep
     };
     CHECK_THROWS_AS(for_each_on_host(1000, 7, failing, threads), InputError);
     for_each_on_host(0, 7, failing, threads);
+  }
+}
+
+TEST_CASE("threads of a loop make a value of their own each, and carry out what that throws") {
+  for (const int threads : {1, 4}) {
+    std::atomic<int> made = 0, sum = 0;
+    const auto work = [&](const std::unique_ptr<int>& own, std::size_t i) { sum += *own * int(i); };
+    for_each_with_own(
+        1000, 7, [&] { return std::make_unique<int>(++made > 0 ? 2 : 0); }, work, threads);
+    CHECK(sum == 2 * 499500);
+    CHECK(made >= 1);
+    CHECK(made <= threads);
+    const auto failing = []() -> std::unique_ptr<int> { throw InputError("no value"); };
+    CHECK_THROWS_AS(for_each_with_own(1000, 7, failing, work, threads), InputError);
+  }
+}
+
+TEST_CASE("what a team of the host throws is carried out, and memory that it cannot have") {
+  for (const int threads : {1, 4}) {
+    const auto failing = [](LoneThread, Index i) {
+      if (i == 5) throw InputError("team 5");
+    };
+    CHECK_THROWS_AS(for_each_team(Cpu{threads}, 10, failing), InputError);
+    const auto nothing = [](LoneThread, Index, double*) {};
+    const TeamShape too_large{.room = std::size_t(1) << 50};
+    CHECK_THROWS_AS(for_each_team(Cpu{threads}, 10, too_large, nothing), std::bad_alloc);
   }
 }

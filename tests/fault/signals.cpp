@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/files/file.h"
+#include "base/format.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
@@ -23,10 +24,13 @@ constexpr double kUntilHandlers = 0.5;  // that a loaded machine may take to sta
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
+constexpr double kUntilStopped = 5;  // from the signal to the end on a loaded machine [s]
+
 /// Runs a command with a signal at each of thirty moments of its length; `fresh` makes its words in a new folder. It
-/// must end as the promise says, 130 or 0, and never by the signal once its handler stands.
+/// must end as the promise says, 130 or 0, soon, and never by the signal once its handler stands. At least `stopped_at`
+/// of the moments must stop it.
 template <class Fresh>
-void interrupt(const Fresh& fresh) {
+void interrupt(const Fresh& fresh, int stopped_at = 16) {
   constexpr int moments = 30;
   const auto start = Clock::now();
   REQUIRE(run_gonogo(fresh(0)).exit_code == 0);
@@ -40,6 +44,7 @@ void interrupt(const Fresh& fresh) {
     const double moment = whole * (k + 1) / (moments + 1);
     options.when = [&] { return seconds_since(begun) >= moment; };
     const Ending ending = run_gonogo(words, options);
+    CHECK(seconds_since(begun) < moment + kUntilStopped);
     INFO("moment " << moment << " s of " << whole << " s\n" << ending.err);
     if (ending.signal == options.signal && moment < kUntilHandlers) continue;
     REQUIRE(ending.signal == 0);
@@ -48,7 +53,19 @@ void interrupt(const Fresh& fresh) {
     CHECK(contains(ending.err, "gonogo: interrupted"));
     ++stopped;
   }
-  CHECK(stopped > moments / 2);
+  CHECK(stopped >= stopped_at);
+}
+
+const fs::path kSource = GONOGO_SOURCE_DIR;
+
+/// An ASCII grid of 10 m cells with a value that soil layers and elevations may have.
+std::string plain_grid(const std::string& layer) {
+  const int cells = 24;
+  std::string text = line("ncols %d\nnrows %d\nxllcorner 730000\nyllcorner 4368000\ncellsize 10\n", cells, cells);
+  const int value = layer == "elevation" ? 2000 : layer[0] == 's' ? 600 : 150;  // [m], [g/kg]
+  for (int i = 0; i < cells * cells; ++i)
+    text += std::to_string(value + i % cells) + (i % cells == cells - 1 ? "\n" : " ");
+  return text;
 }
 
 std::vector<std::string> ground_words(const StudyFolder& study) {
@@ -81,6 +98,116 @@ TEST_CASE("a run of trials and training and a map ends wherever it is interrupte
     return studies.back()->run_words();
   });
   for (const int k : {5, 15, 25}) CHECK(run_gonogo(studies[std::size_t(k)]->run_words()).exit_code == 0);
+}
+
+TEST_CASE("a route ends at once wherever it is interrupted and leaves no half file") {
+  StudyFolder study;
+  study.write();
+  const TemporaryFolder folder;
+  interrupt(
+      [&](int k) {
+        return std::vector<std::string>{"route",
+                                        "--model",
+                                        "hmmwv",
+                                        "--dem",
+                                        study.path("elevation.asc"),
+                                        "--soil",
+                                        "sand, dry",
+                                        "--from",
+                                        "730020,4368020",
+                                        "--to",
+                                        "730200,4368060",
+                                        "--out",
+                                        folder / (std::to_string(k) + ".gpkg")};
+      },
+      5);
+  check_nothing_half_written(folder.path());
+}
+
+TEST_CASE("a campaign, its training and its scores end wherever they are interrupted and leave no half file") {
+  StudyFolder study;
+  study.study["learning"] = Json::parse(R"({"hidden": 4, "epochs": 3000, "chains": 8, "folds": 2})", "learning");
+  study.write();
+  const TemporaryFolder folder;
+  const auto dataset = folder / "0/dataset.h5", model = folder / "0.h5";
+  interrupt(
+      [&](int k) {
+        return std::vector<std::string>{
+            "campaign", "run", study.path("study.json"), "--out", folder / std::to_string(k), "--workers", "2"};
+      },
+      3);
+  interrupt(
+      [&](int k) {
+        return std::vector<std::string>{"train",
+                                        "--dataset",
+                                        dataset,
+                                        "--study",
+                                        study.path("study.json"),
+                                        "--out",
+                                        folder / (std::to_string(k) + ".h5")};
+      },
+      3);
+  interrupt(
+      [&](int k) {
+        return std::vector<std::string>{"evaluate", "--model", "quarter_wheel_90mm", "--out",
+                                        folder / ("scores" + std::to_string(k))};
+      },
+      0);
+  check_nothing_half_written(folder.path());
+}
+
+TEST_CASE("a trial, rows and weighed soil tests end wherever they are interrupted and leave no half file") {
+  StudyFolder study;
+  study.write();
+  const TemporaryFolder folder;
+  interrupt(
+      [&](int k) {
+        return std::vector<std::string>{"simulate", study.path("study.json"),
+                                        "--set",    "slope_along=5",
+                                        "--csv",    folder / (std::to_string(k) + ".trial.csv")};
+      },
+      1);
+  interrupt(
+      [&](int k) {
+        return std::vector<std::string>{"sample",
+                                        "--model",
+                                        "hmmwv",
+                                        "--rows",
+                                        "4000",
+                                        "--sampler",
+                                        "tempering",
+                                        "--burn-in",
+                                        "400",
+                                        "--out",
+                                        folder / (std::to_string(k) + ".csv")};
+      },
+      5);
+  interrupt(
+      [&](int k) {
+        const auto soil = folder / (std::to_string(k) + ".json");
+        fs::copy_file(kSource / "configs/soils/sandy_loam.json", soil);
+        return std::vector<std::string>{"soil", "fit", soil, "--calibration", "calibration_32mm"};
+      },
+      1);
+  check_nothing_half_written(folder.path());
+}
+
+TEST_CASE("a region file of soil layers is whole or absent wherever its making is interrupted") {
+  const TemporaryFolder folder;
+  interrupt(
+      [&](int k) {
+        const auto place = folder / std::to_string(k);
+        fs::create_directory(place);
+        for (const char* layer : {"elevation", "sand_0-5cm_mean", "clay_0-5cm_mean"}) {
+          write_file_atomically(place / (std::string(layer) + ".asc"), plain_grid(layer));
+          write_file_atomically(place / (std::string(layer) + ".prj"), kProjectedWkt);
+        }
+        return std::vector<std::string>{"region", "make", place};
+      },
+      0);
+  for (int k = 1; k <= 30; ++k)
+    if (const auto file = folder / (std::to_string(k) + "/region.json"); fs::exists(file)) Json::read(file);
+  check_nothing_half_written(folder.path());
 }
 
 TEST_CASE("a limit on the size of files is told in a sentence and leaves no partial map") {

@@ -86,7 +86,8 @@ def problem_files():
     numbered = dimod.BinaryQuadraticModel({0: -1, 1: 0, 2: 2.5}, {(0, 1): 1, (1, 2): -4.5}, 0, "BINARY")
     write("n.bqm", numbered.to_file().read())
     gonogo("qubo", "convert", "n.bqm", "--out", "n.coo")
-    check(read("n.coo").decode() == coo.dumps(numbered, vartype_header=True) + "\n", "coordinate text has dimod's bytes")
+    text = read("n.coo").decode().replace("# 4 coefficients\n", "")
+    check(text == coo.dumps(numbered, vartype_header=True) + "\n", "coordinate text has dimod's bytes but for its count")
 
 
 LABELS = [lambda i: i, lambda i: i + 5, lambda i: -i, lambda i: "v%d" % i, lambda i: "\u00fc,\"%d\"\n" % i, lambda i: (0, i),

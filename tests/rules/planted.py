@@ -28,6 +28,7 @@ PLANTED = {
     "public_headers": {"include/gonogo/a.h": '#include "sim/a.h"\n', "base/a.cpp": "#include <gonogo/a.h>\n"},
     "strict_arithmetic": {"sim/CMakeLists.txt": "target_compile_options(sim PRIVATE -ffast-math)\n"},
     "exceptions": {"sim/a.cpp": 'void f() { throw std::runtime_error("no"); }\n'},
+    "one_parallel_loop": {"sim/a.cpp": "#pragma omp parallel for\n"},
     "whole_files": {"sim/a.cpp": 'std::ofstream file("x");\n'},
     "tests_never_skip": {"tests/sim/a.cpp": 'TEST_CASE("later", "[.slow]") {}\n'},
     "picture_size": {"docs/a.png": "x" * 250_001},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/files/shipped.h"
@@ -181,6 +182,7 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
   std::vector<double> density(results.size());
   Progress progress("validate soils inversion", "tests", results.size());
   std::size_t done = 0;
+  std::mutex counting;
   const auto test = [&](std::size_t k) {
     const std::size_t within = k % each;
     const std::uint64_t seed = kNewSeed + within / loads;
@@ -188,7 +190,7 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
     const terrain::SoilFit& fit = soil.fit;
     results[k] = compressed(c, run.calibration, fit, soil.min_stress() * kInversionStress[within % loads], seed);
     density[k] = bulk_density_of(c, fit, seed);
-#pragma omp critical(inversion_progress)
+    const std::lock_guard lock(counting);
     progress.update(++done, "");
   };
   for_each_on_host(results.size(), 1, test, run.threads);

@@ -364,7 +364,11 @@ Soil named_soil(const std::string& text, const std::string& asked) {
   if (is_uscs(name)) return texture_soil(terrain::read_soil(uscs_file()), upper(name), moisture);
   const fs::path path = find_soil_file(name);
   const terrain::SoilFile file = terrain::read_soil(path);
-  Soil soil{.name = file.name + (moisture.empty() ? "" : ", " + moisture), .note = file.about};
+  const bool like_a_texture = is_texture(lower(file.name));
+  Soil soil{.name = file.name + (like_a_texture ? " of " + path.filename().string() : "") +
+                    (moisture.empty() ? "" : ", " + moisture),
+            .note = file.about};
+  if (like_a_texture) soil.not_texture = path.filename().string();
   std::vector<std::string> states;
   for (const terrain::SoilState& state : file.states) {
     states.push_back(state.name);

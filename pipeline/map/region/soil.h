@@ -65,6 +65,8 @@ struct Soil {
   Spreads values{};
   int draws = 0;                                               // points drawn for each sample; 0: as the rules say
   double max_speed = std::numeric_limits<double>::infinity();  // of a road [m/s]
+  std::string
+      not_texture{};  // file of a soil that has the name of a USDA texture and is another one; empty: no such name
   bool given = true;  // false: nobody said what the soil is, the samples are all that it may be
 };
 

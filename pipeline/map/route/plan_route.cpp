@@ -1,12 +1,11 @@
 #include "pipeline/map/route/plan_route.h"
 
-#include <omp.h>
 #include <chrono>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/format.h"
-#include "base/parallel/for_each.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "pipeline/map/route/find_ways.h"
 #include "pipeline/map/route/reach.h"
@@ -51,19 +50,12 @@ RouteCells read_route_cells(const MapSources& sources, const Region& region, con
   cells.soil.assign(count, RouteCells::kNowhere);
   const std::vector<terrain::Window> bands = windows_of(grid, grid.columns, 128);
   const std::vector<LandRule> land = land_rules(region);
-  FirstError error;
-#pragma omp parallel num_threads(threads > 0 ? threads : omp_get_max_threads())
-  {
-    std::optional<MapSources> own;
-#pragma omp for schedule(dynamic, 1)
-    for (std::size_t band = 0; band < bands.size(); ++band)
-      error.guard([&] {
-        stop_if_cancelled();
-        if (!own) own = sources.again();
-        take(evaluate_tile(*own, region, table, {}, rules, bands[band]), land, cells);
-      });
-  }
-  error.rethrow();
+  for_each_with_own(
+      bands.size(), 1, [&] { return sources.again(); },
+      [&](MapSources& own, std::size_t band) {
+        take(evaluate_tile(own, region, table, {}, rules, bands[band]), land, cells);
+      },
+      threads);
   return cells;
 }
 

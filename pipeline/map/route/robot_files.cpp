@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/format.h"
+#include "base/parallel/host_loop.h"
 #include "terrain/raster/layer/geotiff.h"
 
 namespace gonogo::map {
@@ -90,8 +91,7 @@ Passability passability(const SoilTable& table, const RouteCells& cells, std::si
 std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& cells, const RouteCosts& costs,
                                      CostmapScale& scale) {
   std::vector<WorstCost> worst(cells.soil.size());
-#pragma omp parallel for schedule(static)
-  for (std::size_t c = 0; c < worst.size(); ++c) worst[c] = worst_cost(table, cells, costs, c);
+  for_each_on_host(worst.size(), kCellsAtOnce, [&](std::size_t c) { worst[c] = worst_cost(table, cells, costs, c); });
   std::vector<float> known;
   for (const WorstCost& w : worst)
     if (w.passage == Passability::passes) known.push_back(w.per_metre);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/format.h"
+#include "base/json/seal.h"
 #include "base/progress.h"
 #include "base/units.h"
 #include "base/version.h"
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kRecordName = "map.json";
+constexpr const char* kMakeAgain = "make the map again";
 constexpr const char* kUnfinished = ".new";  // folder in the map's own where the next map grows
 
 Json spreads_json(const Spreads& spreads) {
@@ -146,6 +148,7 @@ std::optional<MapSummary> find_finished_map(const MapRequest& request, const Jso
   MapSummary summary;
   try {
     const Json record = Json::read(record_file);
+    require_seal(record, record_file.string(), kMakeAgain);
     if (record.at("inputs").dump() != inputs.dump()) return std::nullopt;
     for (const auto& [name, hash] : record.at("files").members()) {
       if (!fs::exists(request.out / name) || file_hash(request.out / name) != hash.string()) return std::nullopt;
@@ -173,7 +176,7 @@ void write_map_record(const MapRequest& request, const Json& inputs, const MapSu
   Json files = Json::object();
   for (const fs::path& file : summary.files) files[file.filename().string()] = file_hash(file);
   record["files"] = files;
-  write_file_atomically(request.out / kRecordName, record.dump(2) + "\n");
+  write_file_atomically(request.out / kRecordName, sealed(std::move(record)).dump(2) + "\n");
 }
 
 }  // namespace
@@ -221,6 +224,9 @@ void remark_on_tests(const Region& region, const Soil& soil, const std::string& 
 void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& points, double share,
                     std::vector<std::string>& remarks) {
   const std::string where = soil.name + " (" + percent(share) + " of the area): ";
+  if (!soil.not_texture.empty())
+    remarks.push_back(where + "the soil measured in " + soil.not_texture +
+                      ", not the USDA texture of that name, which is written with a blank");
   for (const std::string& because : points.soft_because()) remarks.push_back(where + because);
   if (has_cone_index(region) && !is_fine_grained(region, soil).value_or(true))
     remarks.push_back(where + "coarse-grained, so that its strength decides and the measured cone index is not used");
@@ -479,11 +485,12 @@ MapSummary make_map(const MapRequest& request) {
 
 void require_whole_map(const fs::path& folder, const std::vector<std::string>& files) {
   const Json record = Json::read(folder / kRecordName);
+  require_seal(record, (folder / kRecordName).string(), kMakeAgain);
   for (const std::string& name : files) {
     const Json* hash = record.at("files").find(name);
     if (!hash || !fs::exists(folder / name) || file_hash(folder / name) != hash->string())
       throw InputError((folder / name).string() + ": is not the file that " + (folder / kRecordName).string() +
-                       " was written with; make the map again");
+                       " was written with; " + kMakeAgain);
   }
 }
 

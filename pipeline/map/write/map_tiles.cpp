@@ -1,9 +1,9 @@
 #include "pipeline/map/write/map_tiles.h"
 
-#include <omp.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/parallel/host_loop.h"
@@ -220,25 +220,18 @@ void MapTiles::evaluate(const MapSources& sources, const SoilTable& table, const
   found_ = tiles.size() - missing.size();
   Progress progress("map", "tiles", tiles.size());
   std::size_t done = found_;
-  FirstError error;
-  const int threads = std::min(request_.threads > 0 ? request_.threads : omp_get_max_threads(), int(missing.size()));
-#pragma omp parallel num_threads(std::max(1, threads))
-  {
-    std::optional<MapSources> own;
-#pragma omp for schedule(dynamic, 1)
-    for (std::size_t i = 0; i < missing.size(); ++i)
-      error.guard([&] {
-        stop_if_cancelled();
-        if (!own) own = sources.again();
+  std::mutex counting;
+  for_each_with_own(
+      missing.size(), 1, [&] { return sources.again(); },
+      [&](MapSources& own, std::size_t i) {
         const Window window = tiles[missing[i]];
-        const TileLayers tile = evaluate_tile(*own, request_.region, table, layers_, request_.rules, window);
+        const TileLayers tile = evaluate_tile(own, request_.region, table, layers_, request_.rules, window);
         for (std::size_t l = 0; l < writers_.size(); ++l) writers_[l]->write(window, tile.layer[l]);
         digests_.append(missing[i], digest_of(tile, table, grid_, shape, layers_));
-#pragma omp critical(gonogo_map_progress)
+        const std::lock_guard lock(counting);
         progress.update(++done, "", found_);
-      });
-  }
-  error.rethrow();
+      },
+      request_.threads);
   progress.finish();
 }
 
@@ -251,9 +244,10 @@ void MapTiles::collect(SoilTable& table, MapDigest& digest) const {
 std::vector<fs::path> MapTiles::finish() {
   Progress progress("map", "layers", writers_.size());
   std::size_t done = 0;
+  std::mutex counting;
   const auto finish = [&](std::size_t l) {
     writers_[l]->finish(1);
-#pragma omp critical(gonogo_map_progress)
+    const std::lock_guard lock(counting);
     progress.update(++done);
   };
   for_each_on_host(writers_.size(), 1, finish, request_.threads);

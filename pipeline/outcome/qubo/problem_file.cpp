@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/json/config.h"
+#include "base/json/seal.h"
 
 namespace gonogo::outcome {
 namespace {
@@ -85,7 +86,7 @@ Exported write_problem_file(const learning::Problem& problem, Sidecar sidecar, c
   base.embedding = sidecar.embedding;
   static_cast<learning::ProblemSidecar&>(sidecar) = std::move(base);
   write_file_atomically(path, written.text);
-  write_file_atomically(learning::sidecar_path(path), to_json(sidecar).dump(1) + "\n");
+  write_file_atomically(learning::sidecar_path(path), sealed(to_json(sidecar)).dump(1) + "\n");
   return {std::move(sidecar), written.notes};
 }
 
@@ -94,7 +95,9 @@ Sidecar read_sidecar(const fs::path& path) {
   Sidecar sidecar;
   static_cast<learning::ProblemSidecar&>(sidecar) = learning::sidecar_from_json(config);
   if (config.has("model")) read_model_part(config, path, sidecar);
+  config.has("hash");
   config.finish();
+  require_seal(config.json(), path.string(), "export the problem again");
   return sidecar;
 }
 

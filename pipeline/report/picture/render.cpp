@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel/host_loop.h"
 #include "pipeline/report/picture/visible.h"
 
 namespace gonogo::report {
@@ -168,15 +169,16 @@ Image render(const Model& model, const Camera& camera, int width, int height, in
   const Visible visible = find_visible(model, camera, kSamples * width, kSamples * height, threads);
   const Shader shader(model, camera, visible, lighting);
   Image image{width, height, std::vector<std::uint8_t>(std::size_t(width) * height * 3)};
-#pragma omp parallel for schedule(dynamic, 8) num_threads(threads)
-  for (int row = 0; row < height; ++row)
+  const auto draw_row = [&](std::size_t row) {
     for (int column = 0; column < width; ++column) {
-      const Light light = shader.pixel(column, row);
-      std::uint8_t* rgb = &image.rgb[(std::size_t(row) * width + column) * 3];
+      const Light light = shader.pixel(column, int(row));
+      std::uint8_t* rgb = &image.rgb[(row * std::size_t(width) + std::size_t(column)) * 3];
       rgb[0] = srgb(light.x);
       rgb[1] = srgb(light.y);
       rgb[2] = srgb(light.z);
     }
+  };
+  for_each_on_host(std::size_t(height), 8, draw_row, threads);
   return image;
 }
 

@@ -1,4 +1,5 @@
 #include "pipeline/report/picture/visible.h"
+#include "base/parallel/host_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -151,8 +152,8 @@ Visible find_visible(const Model& model, const Camera& camera, int width, int he
   out.depth.assign(std::size_t(width) * height, std::numeric_limits<float>::max());
   out.item.assign(std::size_t(width) * height, kNothing);
   Scan scan(model, camera, out);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (int band = 0; band < scan.band_count(); ++band) scan.draw_band(band);
+  const auto draw_band = [&](std::size_t band) { scan.draw_band(int(band)); };
+  for_each_on_host(std::size_t(scan.band_count()), 1, draw_band, threads);
   return out;
 }
 
@@ -272,8 +273,8 @@ Real Lighting::floor_sky(const Vec3& point) const {
 /// Fades to open sky at the edge of the square, so that no edge is seen.
 static void light_floor(Lighting& light, Real height, int threads) {
   light.floor.assign(std::size_t(kFloorPoints) * kFloorPoints, 1);
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (int j = 0; j < kFloorPoints; ++j)
+  const auto light_row = [&](std::size_t row) {
+    const int j = int(row);
     for (int i = 0; i < kFloorPoints; ++i) {
       const Real x = 2 * Real(i) / (kFloorPoints - 1) - 1, y = 2 * Real(j) / (kFloorPoints - 1) - 1;
       const Vec3 up{0, 0, 1}, point{light.middle.x + x * light.reach, light.middle.y + y * light.reach, height};
@@ -283,6 +284,8 @@ static void light_floor(Lighting& light, Real height, int threads) {
       const Real open = std::clamp((1 - std::max(std::fabs(x), std::fabs(y))) * 4, Real(0), Real(1));
       light.floor[std::size_t(j) * kFloorPoints + i] = 1 - open * (1 - sky * 2 / Real(light.map.size() - 1));
     }
+  };
+  for_each_on_host(kFloorPoints, 1, light_row, threads);
 }
 
 Lighting light_model(const Model& model, const Vec3& towards_sun, int threads) {
@@ -298,11 +301,12 @@ Lighting light_model(const Model& model, const Vec3& towards_sun, int threads) {
   const Vec3 middle = (low + high) * Real(0.5);
   const Real reach = length(high - low) * Real(0.505);
   std::vector<std::optional<HeightMap>> drawn(kSkyDirections + 1);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-  for (int k = 0; k <= kSkyDirections; ++k) {
+  const auto draw = [&](std::size_t k) {
     const bool sun = k == 0;
-    drawn[k].emplace(model, sun ? towards_sun : sky_direction(k - 1), middle, reach, sun ? kSunPixels : kSkyPixels);
-  }
+    drawn[k].emplace(model, sun ? towards_sun : sky_direction(int(k) - 1), middle, reach,
+                     sun ? kSunPixels : kSkyPixels);
+  };
+  for_each_on_host(drawn.size(), 1, draw, threads);
   Lighting lighting;
   for (auto& m : drawn) lighting.map.push_back(std::move(*m));
   lighting.middle = middle;

@@ -1,4 +1,5 @@
 #include "sim/local_problem/banded/spike.h"
+#include "base/parallel/host_loop.h"
 
 #include <algorithm>
 #include <limits>
@@ -53,11 +54,10 @@ Spike<Scalar>::Spike(BandedMatrix<double> a, const SpikeSettings& settings)
     part_[std::size_t(p)].first = n * p / count;
     part_[std::size_t(p)].size = n * (p + 1) / count - n * p / count;
   }
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index p = 0; p < count; ++p) {
-    take_coupling(part_[std::size_t(p)]);
-    factorise(part_[std::size_t(p)], least);
-  }
+  for_each_on_host(part_.size(), 1, [&](std::size_t p) {
+    take_coupling(part_[p]);
+    factorise(part_[p], least);
+  });
   for (const Part& part : part_) boosted_ += part.boosted;
   join();
 }
@@ -207,21 +207,20 @@ void Spike<Scalar>::solve(Vector& b) const {
     return;
   }
   Columns tips(2 * k, count);
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index p = 0; p < count; ++p) {
+  for_each_on_host(part_.size(), 1, [&](std::size_t p) {
     Vector found;
-    begin(part_[std::size_t(p)], b.data() + part_[std::size_t(p)].first, found);
-    tips.col(p) = found;
-  }
+    begin(part_[p], b.data() + part_[p].first, found);
+    tips.col(Eigen::Index(p)) = found;
+  });
   const Columns y = solve_joints(tips);
-#pragma omp parallel for schedule(static)
-  for (Eigen::Index p = 0; p < count; ++p) {
-    const Part& part = part_[std::size_t(p)];
+  for_each_on_host(part_.size(), 1, [&](std::size_t index) {
+    const Part& part = part_[index];
+    const auto p = Eigen::Index(index);
     Vector at_top, at_bottom;
     if (p > 0) at_top = part.c * y.col(p - 1).head(k);
     if (p + 1 < count) at_bottom = part.b * y.col(p).tail(k);
     finish(part, at_top, at_bottom, b.data() + part.first);
-  }
+  });
 }
 
 template <class Scalar>

@@ -1,17 +1,17 @@
 #include "terrain/raster/layer/geotiff.h"
 
 #include <cpl_string.h>
-#include <omp.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/files/record_log.h"
 #include "base/format.h"
-#include "base/parallel/for_each.h"
+#include "base/parallel/host_loop.h"
 #include "terrain/raster/gdal_support.h"
 #include "terrain/raster/layer/cog.h"
 
@@ -186,21 +186,19 @@ std::string overview_tile(const RecordLog& tiles, const std::vector<CogLevel>& l
 template <class Cell>
 ClassCounts make_overviews(RecordLog& tiles, const std::vector<CogLevel>& levels, double nodata, int threads) {
   ClassCounts counts{};
-  FirstError error;
+  std::mutex counting;
   for (std::size_t level = 1; level < levels.size(); ++level)
-#pragma omp parallel num_threads(threads)
-  {
-    ClassCounts own{};
-#pragma omp for schedule(dynamic, 1)
-    for (std::uint32_t t = 0; t < levels[level].tiles(); ++t)
-      error.guard([&] {
-        tiles.append(first_tile(levels, level) + t,
-                     overview_tile<Cell>(tiles, levels, level, t, nodata, level == 1 ? &own : nullptr));
-      });
-#pragma omp critical
-    for (std::size_t i = 0; i < own.size(); ++i) counts[i] += own[i];
-  }
-  error.rethrow();
+    for_each_on_host(
+        levels[level].tiles(), 1,
+        [&](std::size_t t) {
+          ClassCounts own{};
+          const auto tile = std::uint32_t(t);
+          tiles.append(first_tile(levels, level) + tile,
+                       overview_tile<Cell>(tiles, levels, level, tile, nodata, level == 1 ? &own : nullptr));
+          const std::lock_guard lock(counting);
+          for (std::size_t i = 0; i < own.size(); ++i) counts[i] += own[i];
+        },
+        threads);
   if (levels.size() == 1) {
     std::vector<Cell> cells;
     decode_tile(tiles.read(0), cells, tiles.path().string());
@@ -260,10 +258,8 @@ void GeoTiffWriter::forget() { state_->tiles.remove(); }
 
 void GeoTiffWriter::finish(int threads) {
   State& s = *state_;
-  const int thread_count = threads > 0 ? threads : omp_get_max_threads();
-  const ClassCounts counts = s.info.classes
-                                 ? make_overviews<std::uint8_t>(s.tiles, s.levels, kClassNoData, thread_count)
-                                 : make_overviews<float>(s.tiles, s.levels, kFloatNoData, thread_count);
+  const ClassCounts counts = s.info.classes ? make_overviews<std::uint8_t>(s.tiles, s.levels, kClassNoData, threads)
+                                            : make_overviews<float>(s.tiles, s.levels, kFloatNoData, threads);
   const CogTiles tiles = {[&](std::uint32_t t) { return s.tiles.size_of(t); },
                           [&](std::uint32_t t) { return s.tiles.read(t); }};
   replace_file_atomically(s.path, [&](const fs::path& file) { write_cog(file, s.grid, s.info, s.levels, tiles); });

@@ -1,11 +1,10 @@
 #include "terrain/raster/layer/slope.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "base/units.h"
 
 namespace gonogo::terrain {
@@ -28,15 +27,15 @@ template <class Formula>
 Tile for_each_cell(const Tile& elevation, CellSize cell, int threads, const Formula& formula) {
   GONOGO_ASSERT(elevation.columns >= 2 && elevation.rows >= 2);
   Tile out(elevation.columns - 2, elevation.rows - 2, kNoData);
-  const int thread_count = threads > 0 ? threads : omp_get_max_threads();
-#pragma omp parallel for schedule(static) num_threads(thread_count)
-  for (int row = 0; row < out.rows; ++row) {
+  const auto row_of = [&](std::size_t index) {
+    const int row = int(index);
     const float* north = &elevation.value[std::size_t(row) * elevation.columns];
     const float* here = north + elevation.columns;
     const float* south = here + elevation.columns;
     for (int column = 0; column < out.columns; ++column)
       out.at(column, row) = formula(horn_gradient(north + column, here + column, south + column, cell));
-  }
+  };
+  for_each_on_host(std::size_t(out.rows), 16, row_of, threads);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 
@@ -114,4 +115,93 @@ TEST_CASE("a map of which one file is another's is refused") {
                  "p_go.tif: is not the file that"));
   CHECK_FALSE(make_map(request_in(folder, "map")).reused);
   compare_maps({folder / "map", folder / "second", folder / "both"});
+}
+
+namespace {
+
+/// The folder holds no record, or a map of which every file is the record's.
+bool is_whole_or_none(const fs::path& folder) {
+  if (!fs::exists(folder / "map.json")) return !fs::exists(folder / "index.html");
+  std::vector<std::string> names;
+  for (const auto& [name, hash] : Json::read(folder / "map.json").at("files").members()) names.push_back(name);
+  require_whole_map(folder, names);
+  return true;
+}
+
+/// Makes the map in a child that is killed when `when` says so. False when it ended before.
+template <class When>
+bool killed_when(const MapRequest& request, const When& when) {
+  const pid_t child = fork();
+  if (child == 0) {
+    make_map(request);
+    _exit(0);
+  }
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0)
+    if (when()) kill(child, SIGKILL);
+  return WIFSIGNALED(status);
+}
+
+}  // namespace
+
+TEST_CASE("a map killed at any moment over an older one leaves the old one, the new one, or none, never a mix") {
+  setenv("OMP_NUM_THREADS", "1", 1);
+  using Clock = std::chrono::steady_clock;
+  const TemporaryFolder folder;
+  test::make_wavy_region(folder, "waves", {200, 60, 37, 53});
+  const fs::path map = folder / "map";
+  MapRequest old = request_in(folder, "map"), next = old;
+  next.rules.go = 0.97;
+  make_map(old);
+  const auto begin = Clock::now();
+  make_map(next);
+  const auto whole = Clock::now() - begin;
+  int killed = 0, in_exchange = 0;
+  for (int k = 0; k < 12; ++k) {
+    make_map(old);
+    const auto start = Clock::now();
+    killed += killed_when(next, [&] { return Clock::now() - start > whole * (k + 1) / 13; });
+    INFO("moment " << k);
+    CHECK(is_whole_or_none(map));
+  }
+  for (int k = 0; k < 12; ++k) {
+    make_map(old);
+    in_exchange += killed_when(next, [&] { return !fs::exists(map / "map.json"); });
+    INFO("exchange " << k);
+    CHECK(is_whole_or_none(map));
+  }
+  CHECK(killed >= 8);
+  CHECK(in_exchange >= 1);
+  make_map(next);
+  CHECK(is_whole_or_none(map));
+  CHECK(Json::read(map / "map.json").at("inputs").at("rules").at("go").number() == 0.97);
+}
+
+TEST_CASE("one flipped bit anywhere in a map's record is refused, and the map is made again") {
+  const TemporaryFolder folder;
+  test::make_wavy_region(folder, "waves", {60, 60, 37, 53});
+  make_map(request_in(folder, "map"));
+  const fs::path record = folder / "map/map.json";
+  const std::string whole = read_file(record);
+  const std::string content = Json::parse(whole, "map.json").dump();
+  int harmless = 0;
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string bytes = whole;
+    bytes[at] = char(bytes[at] ^ (1 << (at % 8)));
+    write_file_atomically(record, bytes);
+    std::string read;
+    try {
+      read = Json::parse(bytes, "map.json").dump();
+    } catch (const InputError&) {
+    }
+    if (read == content) {  // white space
+      ++harmless;
+      continue;
+    }
+    INFO("byte " << at);
+    CHECK_THROWS_AS(require_whole_map(folder / "map", {"go.tif"}), InputError);
+  }
+  CHECK(harmless < int(whole.size() / 4));
+  CHECK_FALSE(make_map(request_in(folder, "map")).reused);
+  CHECK(make_map(request_in(folder, "map")).reused);
 }

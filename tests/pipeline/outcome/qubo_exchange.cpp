@@ -106,6 +106,35 @@ TEST_CASE("the whole machine goes out with every unit and its energies intact") 
   CHECK(read_sidecar(learning::sidecar_path(kProblem)).problem_hash == sidecar.problem_hash);
 }
 
+TEST_CASE("a sidecar in which any number was changed is refused, whatever the layout of its text") {
+  write_small_model();
+  export_problem(kModel, kProblem, {{"slope_along", 12}}, learning::Vartype::binary);
+  const fs::path path = learning::sidecar_path(kProblem);
+  const std::string whole = read_file(path);
+  int changed = 0;
+  for (std::size_t at = whole.find_first_of("0123456789"); at != std::string::npos;
+       at = whole.find_first_of("0123456789", at + 1)) {
+    std::string text = whole;
+    text[at] = text[at] == '9' ? '8' : char(text[at] + 1);
+    write_file_atomically(path, text);
+    INFO("byte " << at << " of " << whole.size());
+    std::string json;
+    try {
+      json = Json::parse(text, "changed").dump();
+    } catch (const InputError&) {
+    }
+    if (json == Json::parse(whole, "sidecar").dump()) continue;  // a 17th digit that names the same number
+    CHECK_THROWS_AS(read_sidecar(path), InputError);
+    ++changed;
+  }
+  CHECK(changed > 300);
+  write_file_atomically(path, whole);
+  replace_in_file(path, "\"upper\": ", "\"upper\":  1e308, \"was\": ");
+  refused([&] { read_sidecar(path); }, "was");
+  write_file_atomically(path, Json::parse(whole, "sidecar").dump());
+  CHECK(read_sidecar(path).clamped.at("slope_along") == 12);
+}
+
 TEST_CASE("a penalty leaves few rows that are no code words, and the outcomes' frequencies as they were") {
   const learning::Model model = write_small_model();
   const std::map<std::string, double> clamped = {{"slope_along", 12}, {"friction_angle", 31}};

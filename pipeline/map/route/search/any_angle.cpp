@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "base/units.h"
 
@@ -57,8 +58,8 @@ class Search {
  public:
   Search(const RouteCells& cells, const RouteCosts& costs, bool backwards)
       : cells_(cells), costs_(costs), steps_(line_steps(cells, backwards)), passable_(cells.soil.size()) {
-#pragma omp parallel for schedule(static)
-    for (std::size_t c = 0; c < passable_.size(); ++c) passable_[c] = costs.ever_passable(cells, c);
+    for_each_on_host(passable_.size(), kCellsAtOnce,
+                     [&](std::size_t c) { passable_[c] = costs.ever_passable(cells, c); });
     cost.assign(passable_.size(), kImpassable);
     before.resize(passable_.size());
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel/host_loop.h"
 #include "base/units.h"
 
 namespace gonogo::map {
@@ -73,11 +74,11 @@ std::array<RouteStep, 8> route_steps(double cell_width, double cell_height) {
 HeadingNodes::HeadingNodes(const HeadingTable& table) : node_((std::size_t(90 * kSlopeSteps) + 1) * 360) {
   const int steps = int(90 * kSlopeSteps) + 1;
   GONOGO_ASSERT(std::size_t(table.along_count()) * std::size_t(table.across_count()) < kNoNode);
-#pragma omp parallel for schedule(static)
-  for (int s = 0; s < steps; ++s)
+  for_each_on_host(std::size_t(steps), 16, [&](std::size_t s) {
     for (int psi = 0; psi < 360; ++psi)
-      node_[std::size_t(s) * 360 + std::size_t(psi)] =
-          std::uint16_t(table.index_of(bed_slopes(s / kSlopeSteps, psi * kDegree)));  // -1 becomes kNoNode
+      node_[s * 360 + std::size_t(psi)] =
+          std::uint16_t(table.index_of(bed_slopes(double(s) / kSlopeSteps, psi * kDegree)));  // -1 becomes kNoNode
+  });
 }
 
 RouteCosts::RouteCosts(const SoilTable& table, RouteCost cost, double correlation_length)

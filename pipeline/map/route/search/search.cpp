@@ -2,6 +2,7 @@
 // neighbours. Edges are computed on demand; one byte per cell says which of the eight steps are open.
 
 #include "pipeline/map/route/search/search.h"
+#include "base/parallel/host_loop.h"
 
 #include <boost/graph/breadth_first_search.hpp>
 #include <boost/graph/graph_traits.hpp>
@@ -57,10 +58,10 @@ class StepGraph {
     const int columns = cells_->columns, rows = cells_->rows;
     std::vector<char> passable(size());
     open_.resize(size());
-#pragma omp parallel for schedule(static)
-    for (std::size_t c = 0; c < passable.size(); ++c) passable[c] = costs_->ever_passable(*cells_, c);
-#pragma omp parallel for schedule(static)
-    for (int row = 0; row < rows; ++row)
+    for_each_on_host(passable.size(), kCellsAtOnce,
+                     [&](std::size_t c) { passable[c] = costs_->ever_passable(*cells_, c); });
+    for_each_on_host(std::size_t(rows), 16, [&](std::size_t y_here) {
+      const int row = int(y_here);
       for (int column = 0; column < columns; ++column) {
         const auto is_open = [&](int x, int y) {
           return x >= 0 && y >= 0 && x < columns && y < rows &&
@@ -71,8 +72,9 @@ class StepGraph {
           const int x = column + steps_[s].column, y = row + steps_[s].row;
           if (is_open(x, y) && (s % 2 == 0 || (is_open(x, row) && is_open(column, y)))) open |= 1u << s;
         }
-        open_[std::size_t(row) * std::size_t(columns) + std::size_t(column)] = std::uint8_t(open);
+        open_[y_here * std::size_t(columns) + std::size_t(column)] = std::uint8_t(open);
       }
+    });
   }
 
   const RouteCells* cells_;
