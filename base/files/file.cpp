@@ -68,6 +68,12 @@ void replace_file_atomically(const fs::path& path, const std::function<void(cons
     std::error_code ignored;
     fs::remove(temporary, ignored);
     throw DeviceError(path.string() + ": cannot put the finished file in place: " + e.code().message());
+  } catch (const DeviceError& e) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    std::string message = e.what();  // of a library, which knows the other name
+    if (message.rfind(temporary.string(), 0) == 0) message.replace(0, temporary.string().size(), path.string());
+    throw DeviceError(message);
   } catch (...) {
     std::error_code ignored;
     fs::remove(temporary, ignored);

@@ -1,4 +1,4 @@
-// A JSON object that shows whether it was changed: its member "hash" is the hash of all others, whatever the layout of
+// A JSON object that shows whether it was changed: one of its members is the hash of all others, whatever the layout of
 // the text. It finds damage, not forgery.
 #pragma once
 #include <string>
@@ -7,11 +7,12 @@
 
 namespace gonogo {
 
-/// The object with its hash as the last member.
-Json sealed(Json object);
+/// The object with its hash as the last member, under `key`.
+Json sealed(Json object, const std::string& key = "hash");
 
-/// Throws InputError "source: hash: ..." when the hash is missing or belongs to other content. `remedy` ends the
+/// Throws InputError "source: key: ..." when the hash is missing or belongs to other content. `remedy` ends the
 /// sentence, such as "make the map again".
-void require_seal(const Json& object, const std::string& source, const std::string& remedy);
+void require_seal(const Json& object, const std::string& source, const std::string& remedy,
+                  const std::string& key = "hash");
 
 }  // namespace gonogo

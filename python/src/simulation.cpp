@@ -23,7 +23,7 @@ class Batch {
   /// `watched`: says which step was not solved first. Beds of grains take loose steps on purpose.
   Batch(const std::vector<sim::SceneWorld>& worlds, const sim::StepSettings& settings, int threads, bool gpu,
         bool watched)
-      : group_(watched && !gpu ? 1 : 10), watched_(watched) {
+      : group_(watched && !gpu ? 1 : 10), watched_(watched), in_a_row_(worlds.size(), 0) {
     if (worlds.empty()) throw InputError("simulation: at least one world is needed");
     for (const sim::SceneWorld& w : worlds) {
       size_.push_back(
@@ -80,25 +80,30 @@ class Batch {
   double step() const { return simulation_->settings().step; }
 
  private:
-  /// A step is not solved when its residual is above the tolerance and above half of what gravity adds in a step:
-  /// contacts then do not carry the weights on them.
+  static constexpr int kUnsolvedInARow = 3;
+
+  /// Steps are not solved when the residual stays above the tolerance and above half of what gravity adds in a step:
+  /// contacts then do not carry the weights on them. A single such step, as of an impact, heals in the next ones.
   void look_for_unsolved() {
     const sim::StepSettings& s = simulation_->settings();
     const double bound = std::max(double(s.tolerance), 0.5 * kGravity * double(s.substep()));
     const std::vector<sim::StepReport> reports = simulation_->reports();
-    for (std::size_t w = 0; w < reports.size() && unsolved_.empty(); ++w)
-      if (reports[w].max_residual > bound)
+    for (std::size_t w = 0; w < reports.size() && unsolved_.empty(); ++w) {
+      in_a_row_[w] = reports[w].max_residual > bound ? in_a_row_[w] + 1 : 0;
+      if (in_a_row_[w] == kUnsolvedInARow)
         unsolved_ = line(
-            "simulation: the step that ends at %.4g s is not solved in world %zu: its residual is %.2g m/s after %d "
+            "simulation: the steps up to %.4g s are not solved in world %zu: the residual is %.2g m/s after %d "
             "iterations, above %.2g m/s, so that forces and motion are wrong; give more than iterations=%d, or let "
             "masses that touch differ less",
             reports[w].time, w, reports[w].max_residual, int(reports[w].iterations), bound, int(s.iterations));
+    }
   }
 
   std::vector<WorldParts> size_;
   std::unique_ptr<sim::Simulation> simulation_;
   Index group_;
   bool watched_;
+  std::vector<int> in_a_row_;  // [world] steps that were not solved, up to now
   std::string unsolved_;
 };
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <memory>
 
+#include "base/json/json.h"
 #include "base/math/random.h"
 #include "pipeline/campaign/engine/campaign.h"
 #include "pipeline/campaign/engine/ledger.h"
@@ -142,9 +143,54 @@ TEST_CASE("a shard cut short, changed, exchanged or without its manifest is comp
   std::string manifest = read_file(shard_folder(place) / "shard-1.json");  // as if of another campaign
   manifest[manifest.find("campaign") + 13] ^= 1;
   std::ofstream(shard_folder(place) / "shard-1.json") << manifest;
-  mend("depend on other inputs than this campaign's", 64);
+  mend("does not match the rest of the file", 64);
   fs::remove_all(shard_folder(place));  // and the dataset stays as it is
   mend("", 220);
+}
+
+namespace {
+
+/// Flips one bit of each byte of a JSON file in turn. `read` must throw, unless the content is the same: white space.
+template <class Read>
+void check_flips(const fs::path& file, const Read& read) {
+  const std::string whole = read_file(file), content = Json::parse(whole, "file").dump();
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string bytes = whole;
+    bytes[at] = char(bytes[at] ^ (1 << (at % 8)));
+    std::string changed;
+    try {
+      changed = Json::parse(bytes, "file").dump();
+    } catch (const InputError&) {
+    }
+    if (changed == content) continue;
+    write_file_atomically(file, bytes);
+    INFO(file.string() << " byte " << at);
+    CHECK_THROWS_AS(read(), InputError);
+  }
+  write_file_atomically(file, whole);
+  read();
+}
+
+}  // namespace
+
+TEST_CASE("one flipped bit anywhere in a journal, a manifest or the campaign's own file is found") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "a";
+  REQUIRE(Run(place, 20, 1, 0).wait() == 0);
+  check_flips(shard_folder(place) / "shard-0.json", [&] { return read_manifest(place, 0); });
+  check_flips(place / "campaign.json", [&] { return campaign_status(place); });
+  const std::vector<TrialRecord> records = *read_shard(place, 0, read_manifest(place, 0)->campaign);
+  write_journal(journal_path(place), records);
+  const std::string whole = read_file(journal_path(place));
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    std::string bytes = whole;
+    bytes[at] = char(bytes[at] ^ (1 << (at % 8)));
+    write_file_atomically(journal_path(place), bytes);
+    const JournalContent content = read_journal(journal_path(place));
+    INFO("byte " << at << " of " << whole.size());
+    REQUIRE(content.damaged_count > 0);
+    REQUIRE(content.records.size() < records.size());
+  }
 }
 
 TEST_CASE("a truncated dataset is refused by readers and written again by its campaign") {

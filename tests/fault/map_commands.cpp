@@ -1,11 +1,14 @@
 // From trials to a map by the program alone: model, its members, a map, another with a wider interval, a route, two
 // maps compared; and the smallest rasters that there are.
+#include <gdal_utils.h>
 #include <cmath>
+#include <sstream>
 
 #include "base/files/file.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/fault/program.h"
+#include "tests/fault/study_folder.h"
 #include "tests/pipeline/outcome/synthetic_trials.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -127,4 +130,53 @@ TEST_CASE("the smallest ground that has a slope is three by three cells; of one 
 }
 
 }  // namespace
+namespace {
+
+/// Does what "gdal_translate -a_srs <system> <in> <out>" would do.
+void translate(const std::string& in, const std::string& system, const std::string& out) {
+  const GDALDatasetH source = GDALOpen(in.c_str(), GA_ReadOnly);
+  REQUIRE(source != nullptr);
+  std::string option = "-a_srs", value = system;
+  char* words[] = {option.data(), value.data(), nullptr};
+  GDALTranslateOptions* options = GDALTranslateOptionsNew(words, nullptr);
+  const GDALDatasetH made = GDALTranslate(out.c_str(), source, options, nullptr);
+  GDALTranslateOptionsFree(options);
+  REQUIRE(made != nullptr);
+  GDALClose(made);
+  GDALClose(source);
+}
+
+std::string between(const std::string& text, const std::string& before, const std::string& after) {
+  const std::size_t from = text.find(before);
+  REQUIRE(from != std::string::npos);
+  const std::size_t begin = from + before.size(), end = text.find(after, begin);
+  REQUIRE(end != std::string::npos);
+  return text.substr(begin, end - begin);
+}
+
+}  // namespace
+
+TEST_CASE("the advice for an elevation model without a coordinate system works when it is followed") {
+  StudyFolder study;
+  study.write();
+  std::filesystem::remove(study.path("elevation.prj"));
+  const TemporaryFolder folder;
+  const auto map_of = [&](const std::string& dem, const std::string& out) {
+    return run_gonogo({"map", "--model", "hmmwv", "--dem", dem, "--soil", "sand, dry", "--out", folder / out});
+  };
+  const Ending refused = map_of(study.path("elevation.asc"), "none");
+  REQUIRE(refused.exit_code == 2);
+  std::istringstream command(between(refused.err, "with: gdal_translate -a_srs ", ". A grid"));
+  std::string code, in, out;
+  command >> code >> in >> out;
+  CHECK(code == "EPSG:<code>");
+  CHECK(in == study.path("elevation.asc").string());
+  CHECK(out == "with_system.tif");
+  GDALAllRegister();
+  translate(in, "EPSG:32610", folder / "with_system.tif");
+  CHECK(map_of(folder / "with_system.tif", "map").exit_code == 0);
+  translate(in, between(refused.err, "takes -a_srs '", "'"), folder / "site.tif");
+  CHECK(map_of(folder / "site.tif", "site").exit_code == 0);
+}
+
 }  // namespace gonogo

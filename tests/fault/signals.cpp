@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "base/files/file.h"
-#include "base/format.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
@@ -57,16 +56,6 @@ void interrupt(const Fresh& fresh, int stopped_at = 16) {
 }
 
 const fs::path kSource = GONOGO_SOURCE_DIR;
-
-/// An ASCII grid of 10 m cells with a value that soil layers and elevations may have.
-std::string plain_grid(const std::string& layer) {
-  const int cells = 24;
-  std::string text = line("ncols %d\nnrows %d\nxllcorner 730000\nyllcorner 4368000\ncellsize 10\n", cells, cells);
-  const int value = layer == "elevation" ? 2000 : layer[0] == 's' ? 600 : 150;  // [m], [g/kg]
-  for (int i = 0; i < cells * cells; ++i)
-    text += std::to_string(value + i % cells) + (i % cells == cells - 1 ? "\n" : " ");
-  return text;
-}
 
 std::vector<std::string> ground_words(const StudyFolder& study) {
   return {"--model", "hmmwv",     "--dem", study.path("elevation.asc"), "--soil", "loam", "--moisture",
@@ -124,7 +113,7 @@ TEST_CASE("a route ends at once wherever it is interrupted and leaves no half fi
   check_nothing_half_written(folder.path());
 }
 
-TEST_CASE("a campaign, its training and its scores end wherever they are interrupted and leave no half file") {
+TEST_CASE("a campaign and its training and its scores end wherever they are interrupted and leave no half file") {
   StudyFolder study;
   study.study["learning"] = Json::parse(R"({"hidden": 4, "epochs": 3000, "chains": 8, "folds": 2})", "learning");
   study.write();
@@ -156,7 +145,7 @@ TEST_CASE("a campaign, its training and its scores end wherever they are interru
   check_nothing_half_written(folder.path());
 }
 
-TEST_CASE("a trial, rows and weighed soil tests end wherever they are interrupted and leave no half file") {
+TEST_CASE("a trial and rows and weighed soil tests end wherever they are interrupted and leave no half file") {
   StudyFolder study;
   study.write();
   const TemporaryFolder folder;
@@ -192,24 +181,6 @@ TEST_CASE("a trial, rows and weighed soil tests end wherever they are interrupte
   check_nothing_half_written(folder.path());
 }
 
-TEST_CASE("a region file of soil layers is whole or absent wherever its making is interrupted") {
-  const TemporaryFolder folder;
-  interrupt(
-      [&](int k) {
-        const auto place = folder / std::to_string(k);
-        fs::create_directory(place);
-        for (const char* layer : {"elevation", "sand_0-5cm_mean", "clay_0-5cm_mean"}) {
-          write_file_atomically(place / (std::string(layer) + ".asc"), plain_grid(layer));
-          write_file_atomically(place / (std::string(layer) + ".prj"), kProjectedWkt);
-        }
-        return std::vector<std::string>{"region", "make", place};
-      },
-      0);
-  for (int k = 1; k <= 30; ++k)
-    if (const auto file = folder / (std::to_string(k) + "/region.json"); fs::exists(file)) Json::read(file);
-  check_nothing_half_written(folder.path());
-}
-
 TEST_CASE("a limit on the size of files is told in a sentence and leaves no partial map") {
   StudyFolder study;
   study.write();
@@ -229,6 +200,13 @@ TEST_CASE("a limit on the size of files is told in a sentence and leaves no part
     CHECK(ending.exit_code == 1);
     CHECK_FALSE(fs::exists(folder / "map/map.json"));
     CHECK_FALSE(fs::exists(folder / "map/index.html"));
+    const Ending routed =
+        run_gonogo({"route", "--model", "hmmwv", "--dem", study.path("elevation.asc"), "--soil", "sand, dry", "--from",
+                    "730020,4368020", "--to", "730200,4368060", "--out", folder / "ways.gpkg"},
+                   options);
+    CHECK(routed.exit_code == (bytes < 100'000 ? 1 : routed.exit_code));
+    if (routed.exit_code == 1) CHECK(contains(routed.err, "gonogo: " + (folder / "ways.gpkg").string() + ": cannot"));
+    check_nothing_half_written(folder.path());
   }
 }
 

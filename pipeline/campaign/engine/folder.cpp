@@ -7,12 +7,14 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/json/json.h"
+#include "base/json/seal.h"
 
 namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr std::chrono::seconds kPaceInterval(2);
+constexpr const char* kClaimSeal = "seal";
 constexpr const char* kCampaignFormat = "gonogo/campaign/1";
 constexpr std::size_t kMaxNamed = 4;   // differences spelt out in one sentence
 constexpr std::size_t kMaxShown = 60;  // characters of a value
@@ -41,6 +43,9 @@ std::optional<Claim> find_claim(const fs::path& folder) {
       !file.find("trials_per_shard") || !file.find("depends_on"))
     throw InputError(claim_path(folder).string() + ": is no campaign of the format " + kCampaignFormat +
                      "; choose another folder");
+  // Campaigns that ship are older than seals, and their files hold nothing else.
+  if (file.members().size() > 4)
+    require_seal(file, claim_path(folder).string(), "restore it, or choose another folder", kClaimSeal);
   Claim claim{{file.at("trials").unsigned_integer(), file.at("trials_per_shard").unsigned_integer()}, {}};
   for (const auto& [name, value] : file.at("depends_on").members())
     claim.depends_on.emplace_back(name, value.is_string() ? value.string() : value.dump());
@@ -60,7 +65,7 @@ void write_claim(const fs::path& folder, const Claim& claim) {
   Json& entries = file["depends_on"];
   entries = Json::object();
   for (const auto& [name, value] : claim.depends_on) entries[name] = value;
-  write_file_atomically(claim_path(folder), file.dump(2) + "\n");
+  write_file_atomically(claim_path(folder), sealed(std::move(file), kClaimSeal).dump(2) + "\n");
 }
 
 /// Throws InputError with a phrase for each dependency that was added, changed or removed.

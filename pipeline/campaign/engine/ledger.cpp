@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/json/json.h"
+#include "base/json/seal.h"
 #include "base/progress.h"
 #include "pipeline/campaign/dataset/row.h"
 
@@ -115,6 +116,7 @@ void Journal::flush() {
 
 namespace {
 
+constexpr const char* kManifestSeal = "seal";
 constexpr const char* kShardFormat = "gonogo/shard/1";
 
 fs::path manifest_path(const fs::path& folder, std::uint64_t shard) {
@@ -172,7 +174,7 @@ void commit_shard(const fs::path& folder, std::uint64_t shard, const std::vector
   manifest["hash"] = content_hash(image);
   manifest["verdicts"] = counts_json(by_verdict);
   manifest["reasons"] = counts_json(by_reason);
-  write_file_atomically(manifest_path(folder, shard), manifest.dump(2) + "\n");
+  write_file_atomically(manifest_path(folder, shard), sealed(std::move(manifest), kManifestSeal).dump(2) + "\n");
   remove_others(folder, shard, file);
 }
 
@@ -181,8 +183,13 @@ std::optional<ShardManifest> read_manifest(const fs::path& folder, std::uint64_t
   std::error_code ec;
   if (!fs::exists(path, ec)) return std::nullopt;
   const Json json = Json::read(path);
-  for (const char* key : {"format", "campaign", "first", "trials", "file", "bytes", "hash", "verdicts", "reasons"})
-    if (!json.find(key)) refuse(path, std::string("lacks \"") + key + "\"");
+  const std::vector<std::string> keys{"format", "campaign", "first",    "trials", "file",
+                                      "bytes",  "hash",     "verdicts", "reasons"};
+  for (const std::string& key : keys)
+    if (!json.find(key)) refuse(path, "lacks \"" + key + "\"");
+  // Manifests of campaigns that ship are older than seals, and hold nothing else.
+  if (json.members().size() > keys.size())
+    require_seal(json, path.string(), "remove it, and its trials are computed again", kManifestSeal);
   if (json.at("format").string() != kShardFormat) refuse(path, std::string("is not of the format ") + kShardFormat);
   return ShardManifest{.range = {json.at("first").unsigned_integer(), json.at("trials").unsigned_integer()},
                        .campaign = json.at("campaign").string(),

@@ -155,6 +155,20 @@ TEST_CASE(
   CHECK(heaviest > 0.98);
 }
 
+TEST_CASE("a soil file that has the name of a texture is told from the texture wherever it is named") {
+  const TemporaryFolder folder;
+  MapFiles files = files_of(folder);
+  files.soil = "sandy_loam";
+  const MapRequest measured = read_map_request(files);
+  CHECK(measured.region.soils.front().name == "sandy loam of sandy_loam.json");
+  CHECK(measured.region.soils.front().not_texture == "sandy_loam.json");
+  CHECK(contains(conditions_text(measured), "sandy_loam.json"));
+  files.soil = "sandy loam";
+  const MapRequest texture = read_map_request(files);
+  CHECK(texture.region.soils.front().name == "sandy loam");
+  CHECK(texture.region.soils.front().not_texture.empty());
+}
+
 TEST_CASE("a map of an elevation raster takes a raster of textures by the names of its classes") {
   const TemporaryFolder folder;
   MapFiles files = files_of(folder);
