@@ -150,11 +150,12 @@ TEST_CASE("a shard cut short, changed, exchanged or without its manifest is comp
 
 namespace {
 
-/// Flips one bit of each byte of a JSON file in turn. `read` must throw, unless the content is the same: white space.
+/// Flips one bit of some 500 bytes of a JSON file, one at a time. `read` must throw, unless the content is the same:
+/// white space.
 template <class Read>
 void check_flips(const fs::path& file, const Read& read) {
   const std::string whole = read_file(file), content = Json::parse(whole, "file").dump();
-  for (std::size_t at = 0; at < whole.size(); ++at) {
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 500) {
     std::string bytes = whole;
     bytes[at] = char(bytes[at] ^ (1 << (at % 8)));
     std::string changed;
@@ -182,7 +183,7 @@ TEST_CASE("one flipped bit anywhere in a journal, a manifest or the campaign's o
   const std::vector<TrialRecord> records = *read_shard(place, 0, read_manifest(place, 0)->campaign);
   write_journal(journal_path(place), records);
   const std::string whole = read_file(journal_path(place));
-  for (std::size_t at = 0; at < whole.size(); ++at) {
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 500) {
     std::string bytes = whole;
     bytes[at] = char(bytes[at] ^ (1 << (at % 8)));
     write_file_atomically(journal_path(place), bytes);

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kRecordName = "map.json";
+constexpr const char* kPageName = "index.html";
 constexpr const char* kMakeAgain = "make the map again";
 constexpr const char* kUnfinished = ".new";  // folder in the map's own where the next map grows
 
@@ -375,12 +376,12 @@ void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable&
   write_map_exports(request, {grid, layers, digest.speeds, globe.place}, summary);
 }
 
-/// Removes the map that stands in `folder`: its record and page first, so that what is left never looks like a map.
+/// Removes the map that stands in `folder`: its page and record first, so that what is left never looks like a map.
 void remove_map(const fs::path& folder) {
-  std::vector<fs::path> files = {folder / kRecordName, folder / "index.html"};
+  std::vector<fs::path> files = {folder / kPageName, folder / kRecordName};
   try {
     const Json record =
-        fs::exists(files.front()) ? Json::read(files.front()) : Json(Json::Object{{"files", Json::object()}});
+        fs::exists(files.back()) ? Json::read(files.back()) : Json(Json::Object{{"files", Json::object()}});
     for (const auto& [name, hash] : record.at("files").members()) {
       if (fs::path(name).filename() != name) continue;
       files.push_back(folder / name);
@@ -393,16 +394,17 @@ void remove_map(const fs::path& folder) {
   for (const fs::path& file : files) fs::remove(file, ignored);
 }
 
-/// Puts the finished map that grew in `grown` in the place of the one in `folder`, its record last. An interruption
-/// leaves `folder` without a record, and the next run goes on from here.
+/// Place in the order in which files of a map come: a page, and then a record, have all others beside them.
+int turn_of(const fs::path& file) { return file.filename() == kRecordName ? 2 : file.filename() == kPageName ? 1 : 0; }
+
+/// Puts the finished map that grew in `grown` in the place of the one in `folder`, its page and its record last. An
+/// interruption leaves `folder` without them, and the next run goes on from here.
 void put_in_place(const fs::path& grown, const fs::path& folder) {
   remove_map(folder);
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(grown))
     if (entry.is_regular_file() && entry.path().filename().string().front() != '.') files.push_back(entry.path());
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return (a.filename() == kRecordName) < (b.filename() == kRecordName);
-  });
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) { return turn_of(a) < turn_of(b); });
   for (const fs::path& file : files) fs::rename(file, folder / file.filename());
   fs::remove_all(grown);
 }
