@@ -1,6 +1,5 @@
 // From trials to a map by the program alone: model, its members, a map, another with a wider interval, a route, two
 // maps compared; and the smallest rasters that there are.
-#include <gdal_utils.h>
 #include <cmath>
 #include <sstream>
 
@@ -14,6 +13,7 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/terrain/raster_maker.h"
+#include "tests/terrain/translate.h"
 
 namespace gonogo {
 namespace {
@@ -132,20 +132,6 @@ TEST_CASE("the smallest ground that has a slope is three by three cells; of one 
 }  // namespace
 namespace {
 
-/// Does what "gdal_translate -a_srs <system> <in> <out>" would do.
-void translate(const std::string& in, const std::string& system, const std::string& out) {
-  const GDALDatasetH source = GDALOpen(in.c_str(), GA_ReadOnly);
-  REQUIRE(source != nullptr);
-  std::string option = "-a_srs", value = system;
-  char* words[] = {option.data(), value.data(), nullptr};
-  GDALTranslateOptions* options = GDALTranslateOptionsNew(words, nullptr);
-  const GDALDatasetH made = GDALTranslate(out.c_str(), source, options, nullptr);
-  GDALTranslateOptionsFree(options);
-  REQUIRE(made != nullptr);
-  GDALClose(made);
-  GDALClose(source);
-}
-
 std::string between(const std::string& text, const std::string& before, const std::string& after) {
   const std::size_t from = text.find(before);
   REQUIRE(from != std::string::npos);
@@ -172,10 +158,9 @@ TEST_CASE("the advice for an elevation model without a coordinate system works w
   CHECK(code == "EPSG:<code>");
   CHECK(in == study.path("elevation.asc").string());
   CHECK(out == "with_system.tif");
-  GDALAllRegister();
-  translate(in, "EPSG:32610", folder / "with_system.tif");
+  test::translate(in, "EPSG:32610", folder / "with_system.tif");
   CHECK(map_of(folder / "with_system.tif", "map").exit_code == 0);
-  translate(in, between(refused.err, "takes -a_srs '", "'"), folder / "site.tif");
+  test::translate(in, between(refused.err, "takes -a_srs '", "'"), folder / "site.tif");
   CHECK(map_of(folder / "site.tif", "site").exit_code == 0);
 }
 

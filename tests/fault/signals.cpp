@@ -113,33 +113,35 @@ TEST_CASE("a route ends at once wherever it is interrupted and leaves no half fi
   check_nothing_half_written(folder.path());
 }
 
-TEST_CASE("a campaign and its training and its scores end wherever they are interrupted and leave no half file") {
+TEST_CASE("a campaign ends wherever it is interrupted") {
   StudyFolder study;
-  study.study["learning"] = Json::parse(R"({"hidden": 4, "epochs": 3000, "chains": 8, "folds": 2})", "learning");
   study.write();
   const TemporaryFolder folder;
-  const auto dataset = folder / "0/dataset.h5", model = folder / "0.h5";
   interrupt(
       [&](int k) {
         return std::vector<std::string>{
             "campaign", "run", study.path("study.json"), "--out", folder / std::to_string(k), "--workers", "2"};
       },
       3);
+  check_nothing_half_written(folder.path());
+}
+
+TEST_CASE("training and scores end wherever they are interrupted and leave no half file") {
+  const std::string dataset = kSource / "data/quarter_wheel_90mm/dataset.h5";
+  const TemporaryFolder folder;
+  write_file_atomically(
+      folder / "study.json",
+      R"({"study": "s", "seed": 1, "learning": {"hidden": 2, "epochs": 5, "folds": 2, "teacher": 0}})");
   interrupt(
       [&](int k) {
-        return std::vector<std::string>{"train",
-                                        "--dataset",
-                                        dataset,
-                                        "--study",
-                                        study.path("study.json"),
-                                        "--out",
-                                        folder / (std::to_string(k) + ".h5")};
+        const std::string study = folder / "study.json", out = folder / (std::to_string(k) + ".h5");
+        return std::vector<std::string>{"train", "--dataset", dataset, "--study", study, "--out", out};
       },
       3);
   interrupt(
       [&](int k) {
-        return std::vector<std::string>{"evaluate", "--model", "quarter_wheel_90mm", "--out",
-                                        folder / ("scores" + std::to_string(k))};
+        const std::string out = folder / ("scores" + std::to_string(k));
+        return std::vector<std::string>{"evaluate", "--model", "quarter_wheel_90mm", "--out", out};
       },
       0);
   check_nothing_half_written(folder.path());
