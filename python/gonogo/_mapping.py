@@ -47,7 +47,15 @@ class Map:
         return self.raster(layer).values
 
 
+def carry_font() -> None:
+    """Takes the font that a wheel carries, on a machine without any."""
+    carried = Path(os.environ["GONOGO_SHARE"]) / "wheel" / "fonts.conf"
+    if carried.is_file() and not Path("/etc/fonts/fonts.conf").is_file():
+        os.environ.setdefault("FONTCONFIG_FILE", str(carried))
+
+
 def with_gdal() -> Any:
+    carry_font()
     try:
         from . import _map
     except ImportError as error:

