@@ -82,7 +82,7 @@ struct ExportRequest {
   std::filesystem::path problem{};  // to write, with its sidecar
   Values clamped{};                 // variables with a known value leave the problem
   Vartype vartype = Vartype::binary;
-  std::optional<double> code_penalty{};  // energy of bit patterns that are no code words; none: chosen by the machine
+  std::optional<double> code_penalty{};  // energy of bit patterns that are no code words; none: free units if rare
   std::string format{};
 };
 /// Returns notes as write_problem().

@@ -144,7 +144,7 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
   };
   set("negative", training.negative, learning::NegativePhaseKind::code_words);
   set("hidden", training.hidden, std::size_t(many ? 48 : 16));
-  set("generative", training.generative, many ? 0.1 : 0.07);
+  set("generative", training.generative, many ? 0.1 : 0.6);
   set("weight_decay", training.weight_decay, many ? 0.3 : 1.0);
   set("chains", training.chains, std::size_t(256));
   if (many) set("learning_rate", training.learning_rate, 0.03);

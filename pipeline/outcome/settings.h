@@ -97,7 +97,7 @@ struct LearningSettings {
 LearningSettings read_learning_settings(const std::optional<Config>& section);
 
 /// From kManyTrials trials on, keys that are not given get the defaults for a machine whose joint distribution is
-/// right: code_words, 48 hidden units, generative 0.07, weight_decay 0.3, calibrate, 256 chains of one sweep an update,
+/// right: code_words, 48 hidden units, generative 0.1, weight_decay 0.3, calibrate, 256 chains of one sweep an update,
 /// and 7,000 updates with the learning rate falling to 0.05 of itself. Settings stay where the study chooses another
 /// negative phase or another sampler.
 inline constexpr std::size_t kManyTrials = 500;

@@ -102,7 +102,8 @@ class Model:
         """The machine as an annealing problem whose Boltzmann distribution at beta = 1 is the model's.
 
         given: variables that are clamped to these values and leave the problem. code_penalty: energy added to bit
-        patterns that are no code word; None: 0 or 8, whichever `gonogo qubo export` would choose.
+        patterns that are no code word; None: as `gonogo qubo export` does, free units stand for code words where these
+        would be rare, and answer() gives code words by the hidden units.
         """
         import dimod
 
@@ -117,7 +118,7 @@ class Model:
 
         Labels and energies are checked, so other arguments than those of to_bqm() raise InputError. decoding: "weigh" lets
         the hidden units of every row weigh all code words; "discard" leaves out rows with a pattern that is no code word;
-        "repair" maps them to the nearest value. Answers with fewer usable reads than the two limits are refused.
+        "repair" maps them to the nearest value. The latter two need a code_penalty where free units stand for code words. Answers with fewer usable reads than the two limits are refused.
         """
         rows: Any = sampleset  # dimod's own annotations end here
         record, vartype = rows.record, rows.vartype.name

@@ -22,7 +22,7 @@ void add_export(CLI::App& qubo, const SharedQubo& options, const Globals& global
   CLI::Option* penalty = command->add_option(
       "--penalty", options->penalty,
       "Energy, at least, of units that are no code word; code words keep their energies. Couples visible units: sample "
-      "with anneal, tempering, population or exact. Default: none where import can weigh code words, otherwise 8");
+      "with anneal, tempering, population or exact. Default: none, and free units where code words are rare");
   add_named(*command, "--format", options->to.format, one_of(format_names()),
             "Format to write; default: by extension, .json being dimod_json");
   command->add_flag("--spin", options->spin, "Ising form (SPIN) instead of QUBO (BINARY)");

@@ -10,8 +10,9 @@ namespace {
 
 /// How the rows were read, and what that did to the answer.
 std::string decoding_text(const outcome::AnswerSummary& summary) {
-  std::string text = line("%.0f reads, energies verified; %.1f %% hold code words only\n", summary.reads,
-                          100 * (1 - summary.invalid_share));
+  std::string text =
+      line("%.0f reads, energies verified; %.1f %% %s\n", summary.reads, 100 * (1 - summary.invalid_share),
+           summary.free_units ? "give code words by their hidden units" : "hold code words only");
   if (summary.decoding == outcome::Decoding::weigh)
     text += line("all code words weighed by every row's hidden units: worth %.0f independent reads\n",
                  summary.independent_reads);

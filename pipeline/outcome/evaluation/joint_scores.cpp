@@ -254,38 +254,62 @@ JointScores joint_scores(const Predictor& predictor, const learning::TrainingTab
   return scores;
 }
 
+namespace {
+
+double passing_share(const Columns& columns, const ScoredRows& rows) {
+  const std::vector<int> passed = columns.passed(rows);
+  double sum = 0, total = 0;
+  for (std::size_t n = 0; n < rows.count(); ++n) {
+    sum += rows.weight[n] * passed[n];
+    total += rows.weight[n];
+  }
+  return sum / total;
+}
+
+/// Two halves of the trials, as whole groups: the floor, and the trials that both are compared with.
+struct Halves {
+  ScoredRows floor, real;
+};
+
+Halves halves_of(const Columns& columns, const learning::TrainingTable& trials, std::uint64_t seed) {
+  constexpr std::uint64_t kHalves = 0x68616c66;  // stream of random numbers
+  std::vector<std::size_t> half[2];
+  for (std::size_t n = 0; n < trials.row_count(); ++n)
+    half[random_bits(seed, kHalves, trials.group[n]) % 2].push_back(n);
+  Halves halves{columns.known_rows(trials.subset(half[0]), kMaxJointRows, seed), {}};
+  halves.real = columns.known_rows(trials.subset(half[1]), halves.floor.count(), seed);
+  return halves;
+}
+
+}  // namespace
+
 std::optional<JointSummary> scored_joint(const Predictor& predictor, const learning::TrainingTable& trials,
                                          std::uint64_t seed) {
-  constexpr std::uint64_t kHalves = 0x68616c66;  // stream of random numbers
-  constexpr std::size_t kFewest = 30;
+  constexpr std::size_t kFewest = 30, kEnough = 1000, kMostSplits = 10, kDrawn = 4000;
   const Columns columns(predictor.model().layout);
-  std::vector<std::size_t> halves[2];
-  for (std::size_t n = 0; n < trials.row_count(); ++n)
-    halves[random_bits(seed, kHalves, trials.group[n]) % 2].push_back(n);
-  const ScoredRows floor = columns.known_rows(trials.subset(halves[0]), kMaxJointRows, seed);
-  const ScoredRows real = columns.known_rows(trials.subset(halves[1]), floor.count(), seed);
-  if (real.count() < kFewest || columns.count() < 3) return std::nullopt;
-  const ScoredRows machine = columns.sampled_rows(model_rows(predictor, RowSource::machine, real.count(), seed));
-  const JointScores::Kind own = scored_kind("machine", columns, machine, real, seed),
-                          same = scored_kind("trials", columns, floor, real, seed);
-  const auto share = [&](const ScoredRows& rows) {
-    const std::vector<int> passed = columns.passed(rows);
-    double sum = 0, total = 0;
-    for (std::size_t n = 0; n < rows.count(); ++n) {
-      sum += rows.weight[n] * passed[n];
-      total += rows.weight[n];
-    }
-    return sum / total;
-  };
-  return JointSummary{.rows = real.count(),
-                      .auc_bins = own.auc_bins,
-                      .auc_values = own.auc_values,
-                      .floor_bins = same.auc_bins,
-                      .floor_values = same.auc_values,
-                      .trained_brier = own.trained_brier,
-                      .floor_brier = same.trained_brier,
-                      .passable = share(columns.sampled_rows(model_rows(predictor, RowSource::machine, 4000, seed))),
-                      .trials_passable = share(columns.known_rows(trials, SIZE_MAX, seed))};
+  const Halves first = halves_of(columns, trials, seed);
+  if (first.real.count() < kFewest || columns.count() < 3) return std::nullopt;
+  const ScoredRows machine = columns.sampled_rows(model_rows(predictor, RowSource::machine, kDrawn, seed));
+  // One half of few trials may be easy or hard by chance, so that the scores are means over several pairs of halves.
+  const std::size_t splits = std::clamp<std::size_t>(kEnough / trials.row_count(), 1, kMostSplits);
+  JointSummary summary{.rows = first.real.count(), .splits = splits};
+  for (std::size_t k = 0; k < splits; ++k) {
+    const Halves halves = k == 0 ? first : halves_of(columns, trials, seed + k);
+    std::vector<std::size_t> part;  // of the machine's rows, other ones for every pair
+    for (std::size_t n = 0; n < halves.real.count(); ++n) part.push_back((k * first.real.count() + n) % kDrawn);
+    const JointScores::Kind own = scored_kind("machine", columns, machine.subset(part), halves.real, seed),
+                            same = scored_kind("trials", columns, halves.floor, halves.real, seed);
+    const double share = 1 / double(splits);
+    summary.auc_bins += share * own.auc_bins;
+    summary.auc_values += share * own.auc_values;
+    summary.trained_brier += share * own.trained_brier;
+    summary.floor_bins += share * same.auc_bins;
+    summary.floor_values += share * same.auc_values;
+    summary.floor_brier += share * same.trained_brier;
+  }
+  summary.passable = passing_share(columns, machine);
+  summary.trials_passable = passing_share(columns, columns.known_rows(trials, SIZE_MAX, seed));
+  return summary;
 }
 
 Json to_json(const JointScores& scores) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/error.h"
 #include "base/parallel/host_loop.h"
 
 namespace gonogo::outcome {
@@ -75,7 +76,44 @@ std::optional<CodeMachine> CodeMachine::of(const learning::Problem& problem, con
     inside.resize(group->unit.size(), 0.0);
     inside[std::size_t(place_of[std::min(c.a, c.b)])] = c.value;
   }
+  machine.column_ = machine.hidden_;
   return machine;
+}
+
+CodeMachine CodeMachine::with_free_units(const learning::Problem& words, const learning::Problem& problem,
+                                         const learning::VisibleLayout& layout) {
+  std::optional<CodeMachine> machine = of(words, layout);
+  const auto refuse = [] {
+    throw InputError("problem: its free units and the machine over code words do not belong together; export it again");
+  };
+  if (!machine) refuse();
+  FreeUnits& free = machine->free_.emplace();
+  free.problem = learning::to_qubo(problem);
+  std::map<std::string, std::size_t> place;
+  for (std::size_t j = 0; j < machine->hidden_.size(); ++j)
+    place[learning::label_text(words.labels[machine->hidden_[j]])] = j;
+  const std::size_t n = problem.variable_count();
+  std::vector<std::ptrdiff_t> hidden_of(n, -1), free_of(n, -1);
+  std::vector<std::uint32_t> column(machine->hidden_.size(), UINT32_MAX);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (const auto found = place.find(learning::label_text(problem.labels[i])); found != place.end()) {
+      hidden_of[i] = std::ptrdiff_t(found->second);
+      column[found->second] = std::uint32_t(i);
+    } else {
+      free_of[i] = std::ptrdiff_t(free.unit.size());
+      free.unit.push_back(std::uint32_t(i));
+    }
+  }
+  if (std::find(column.begin(), column.end(), UINT32_MAX) != column.end()) refuse();
+  free.coupling.assign(free.unit.size(), std::vector<double>(column.size(), 0.0));
+  for (const learning::Coupling& c : free.problem.couplings) {
+    if (c.value == 0) continue;
+    const bool a_free = free_of[c.a] >= 0;
+    if (a_free == (free_of[c.b] >= 0)) refuse();
+    free.coupling[std::size_t(free_of[a_free ? c.a : c.b])][std::size_t(hidden_of[a_free ? c.b : c.a])] = c.value;
+  }
+  machine->column_ = std::move(column);
+  return std::move(*machine);
 }
 
 std::vector<double> CodeMachine::fields(const CodeGroup& group, std::span<const std::int8_t> row) const {
@@ -83,7 +121,7 @@ std::vector<double> CodeMachine::fields(const CodeGroup& group, std::span<const 
   for (std::uint32_t unit : group.unit) {
     double sum = problem_.linear[unit];
     for (std::size_t j = 0; j < hidden_.size(); ++j)
-      if (row[hidden_[j]] > 0) sum += coupling_[unit][j];
+      if (row[column_[j]] > 0) sum += coupling_[unit][j];
     result.push_back(sum);
   }
   return result;
@@ -116,11 +154,24 @@ double CodeMachine::log_all_words(const CodeGroup& group, std::span<const double
   return learning::log_sum_exp(log_weight);
 }
 
+double CodeMachine::log_all_free(std::span<const std::int8_t> row) const {
+  double result = 0;
+  for (const std::uint32_t h : column_)
+    if (row[h] > 0) result -= free_->problem.linear[h];
+  for (std::size_t k = 0; k < free_->unit.size(); ++k) {
+    double field = free_->problem.linear[free_->unit[k]];
+    for (std::size_t j = 0; j < column_.size(); ++j)
+      if (row[column_[j]] > 0) field += free_->coupling[k][j];
+    result += learning::softplus(-field);
+  }
+  return result;
+}
+
 CodeMachine::Given CodeMachine::given(std::span<const std::int8_t> row) const {
   Given result;
-  for (std::uint32_t h : hidden_)
-    if (row[h] > 0) result.log_words -= problem_.linear[h];
-  result.log_all = result.log_words;
+  for (std::size_t j = 0; j < hidden_.size(); ++j)
+    if (row[column_[j]] > 0) result.log_words -= problem_.linear[hidden_[j]];
+  result.log_all = free_ ? log_all_free(row) : result.log_words;
   for (const CodeGroup& group : groups_) {
     const std::vector<double> field = fields(group, row);
     std::vector<double> log_word;
@@ -128,7 +179,7 @@ CodeMachine::Given CodeMachine::given(std::span<const std::int8_t> row) const {
       log_word.push_back(-word_energy(group, field, [&](std::size_t k) { return word[k] != 0; }));
     const double words = learning::log_sum_exp(log_word);
     result.log_words += words;
-    result.log_all += log_all_words(group, field);
+    if (!free_) result.log_all += log_all_words(group, field);
     auto& probability = result.probability.emplace_back();
     for (double x : log_word) probability.push_back(std::exp(x - words));
   }
@@ -139,11 +190,15 @@ std::optional<CodeMachine::Exact> CodeMachine::exact() const {
   if (hidden_.size() > kMaxHidden) return std::nullopt;
   Exact result;
   for (const CodeGroup& group : groups_) result.probability.emplace_back(group.word.size(), 0.0);
-  std::vector<std::int8_t> row(problem_.variable_count(), 0);
+  std::vector<std::int8_t> row(binary().variable_count(), 0);
   double highest = -INFINITY, words = 0, all = 0, weighed = 0;  // sums in units of exp(highest)
+  // The two sums of free units have a constant factor between them, which no answer depends on.
+  const Given first = given(row);
+  const double shift = free_ ? first.log_words - first.log_all : 0;
   for (std::size_t bits = 0; bits < std::size_t(1) << hidden_.size(); ++bits) {
-    for (std::size_t j = 0; j < hidden_.size(); ++j) row[hidden_[j]] = std::int8_t(bits >> j & 1);
-    const Given now = given(row);
+    for (std::size_t j = 0; j < hidden_.size(); ++j) row[column_[j]] = std::int8_t(bits >> j & 1);
+    Given now = given(row);
+    now.log_words -= shift;
     if (now.log_all > highest) {
       const double factor = std::exp(highest - now.log_all);
       for (auto& group : result.probability)
@@ -163,7 +218,7 @@ std::optional<CodeMachine::Exact> CodeMachine::exact() const {
   }
   for (auto& group : result.probability)
     for (double& p : group) p /= words;
-  result.word_share = words / all;
+  if (!free_) result.word_share = words / all;
   result.weighed_share = words / all * words / weighed;
   return result;
 }

@@ -220,6 +220,7 @@ DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& a
   take_rows(sidecar, answer, repair ? learning::DecodeRule::repair : learning::DecodeRule::discard, result);
   if (decoding != Decoding::weigh) return result;
   GONOGO_ASSERT(machine);
+  if (machine->has_free_units()) result.valid = result.reads;
   weigh_rows(sidecar, answer, *machine, seed, result);
   return result;
 }
@@ -252,6 +253,7 @@ AnswerSummary summarise(const Sidecar& sidecar, const DecodedAnswer& decoded, co
   summary.valid = decoded.valid;
   summary.repaired = decoded.repaired;
   summary.invalid_share = decoded.reads > 0 ? 1 - decoded.valid / decoded.reads : 0;
+  summary.free_units = machine && machine->has_free_units();
   summary.rows_as_drawn = decoded.order.as_drawn;
   if (decoded.rows.empty()) return summary;
   summary.independent_reads = decoded.reads;

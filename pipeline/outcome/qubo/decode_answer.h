@@ -79,6 +79,7 @@ struct AnswerSummary {
   Decoding decoding = Decoding::discard;
   double reads = 0, valid = 0, repaired = 0;  // numbers of reads, counted with their occurrences
   double invalid_share = 0;
+  bool free_units = false;  // stand for the code words (CodeMachine::with_free_units())
   bool rows_as_drawn = true;
   struct Outcome {
     std::string name;

@@ -1,27 +1,14 @@
-// Chooses how an exported machine keeps its rows code words, where the user does not say.
+// Chooses the units of an exported machine, where the user does not ask for a penalty.
 #pragma once
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "learning/machine/word_machine.h"
 #include "learning/model/model.h"
 #include "learning/qubo/problem.h"
+#include "pipeline/outcome/qubo/code_machine.h"
 
 namespace gonogo::outcome {
-
-struct PreparedMachine {
-  learning::Problem machine;  // BINARY: the units of the layout, then the hidden ones; without the penalty
-  double penalty = 0;         // in the energy unit of the problem, for with_code_penalty()
-  std::string note;           // what was done and why, for people; empty when there is nothing to say
-};
-
-/// fixed: the values of the units of clamped variables, as in with_code_penalty().
-///
-/// The machine stays as it is if weighed rows are worth a tenth of the reads or more. Otherwise its outcome is balanced
-/// (balanced_machine()); if that is not enough it gets measured_penalty(). What weighed rows are worth is summed over
-/// up to 16 hidden units, and measured on 1,000 rows of tempering with more. The note states it and the share of rows
-/// that are code words.
-PreparedMachine prepared_machine(const learning::Model& model, const std::vector<double>& fixed);
 
 /// What rows of a machine without penalty are worth.
 struct WordShares {
@@ -29,25 +16,31 @@ struct WordShares {
   bool exact = false;
 };
 
-/// Exact sums, or means over rows of tempering, where a row's hidden units give the share of code words among all
-/// words. None if the machine couples units of different variables.
-std::optional<WordShares> word_shares(const learning::Problem& machine, const learning::VisibleLayout& layout,
-                                      const std::vector<double>& fixed);
+/// Sums over up to 16 hidden units. With more, means over 400 rows of tempering, where a row's hidden units give the
+/// share of code words among all words.
+WordShares word_shares(const CodeMachine& machine);
 
-/// The first of 8, 12, 16, 24, 32 that leaves at most a tenth of the rows without a code word, by a short run of
-/// tempering; 32 when none does. `machine` as in PreparedMachine.
-double measured_penalty(const learning::Problem& machine, const learning::VisibleLayout& layout,
-                        const std::vector<double>& fixed);
+struct PreparedMachine {
+  learning::Problem problem;  // BINARY, without what is known
+  /// The machine over code words, BINARY, if `problem` has free units in place of code words
+  /// (CodeMachine::with_free_units()).
+  std::optional<learning::Problem> words;
+  std::string note;  // what was done and why, for people; empty when there is nothing to say
+  CodeMachine code_machine(const learning::VisibleLayout& layout) const;
+};
 
-/// A machine with the same rows of code words, whose outcome is a code word more often: the whole machine as a QUBO
-/// (to_qubo() of learning/model/weights.h), balanced for rows of which nothing is known. It serves clamped questions
-/// better than a balance of their own: its hidden units are more varied. Deterministic.
-///
-/// In a code word exactly one of the outcome's units u_y is on. So (c + w.h) (1 - sum_y u_y) can be added to the
-/// energy: code words keep theirs to the rounding, and no two visible units get coupled, as a penalty would. c and w
-/// are chosen so that, given the hidden units of the machine's own code words, one outcome unit is on in the mean. That
-/// is the least mean of log(all words / code words), which is convex in c and w. Training on code words leaves both
-/// free.
-learning::Problem balanced_machine(const learning::Model& model);
+/// The machine as a QUBO over the units of the layout, which is clamped to what is known.
+learning::Problem plain_machine(const learning::Model& model, const learning::KnownPart& known);
+
+/// The same with a penalty on words that are no code words (with_code_penalty()).
+learning::Problem penalised_machine(const learning::Model& model, const learning::KnownPart& known, double strength);
+
+/// Free units in place of code words: 20, or one for each word beyond the first of every group where these are fewer.
+/// No two of them are coupled, nor two hidden units, and every row of hidden units gives code words.
+PreparedMachine machine_of_free_units(const learning::Model& model, const learning::KnownPart& known);
+
+/// The plain machine if every row of it is one of code words, or if weighed rows of up to 16 hidden units are worth
+/// half of the reads; otherwise free units.
+PreparedMachine prepared_machine(const learning::Model& model, const learning::KnownPart& known);
 
 }  // namespace gonogo::outcome

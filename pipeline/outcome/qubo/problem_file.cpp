@@ -6,6 +6,7 @@
 #include "base/files/file.h"
 #include "base/json/config.h"
 #include "base/json/seal.h"
+#include "learning/formats/dimod.h"
 
 namespace gonogo::outcome {
 namespace {
@@ -21,6 +22,7 @@ Json to_json(const Sidecar& sidecar) {
   model["hash"] = sidecar.model_hash;
   model["clamped"] = std::move(clamped);
   if (sidecar.code_penalty > 0) model["code_penalty"] = sidecar.code_penalty;
+  if (sidecar.words) model["words"] = learning::dimod_json(*sidecar.words);
   for (const auto& [key, answer] :
        {std::pair("machine_answer", &sidecar.machine_answer), std::pair("model_answer", &sidecar.model_answer)}) {
     if (answer->empty()) continue;
@@ -38,6 +40,8 @@ void read_model_part(const Config& config, const fs::path& path, Sidecar& sideca
   if (sidecar.model_hash.empty()) model.fail("hash", "is empty");
   const Config clamped = model.object("clamped");
   for (const auto& [name, value] : clamped.json().members()) sidecar.clamped[name] = clamped.number(name);
+  if (model.has("words"))
+    sidecar.words = learning::dimod_problem(model.object("words").json(), path.string() + ": model.words");
   if (model.has("code_penalty")) sidecar.code_penalty = model.number("code_penalty", {.minimum = 0});
   for (const auto& [key, answer] :
        {std::pair("machine_answer", &sidecar.machine_answer), std::pair("model_answer", &sidecar.model_answer)})

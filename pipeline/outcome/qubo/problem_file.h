@@ -17,9 +17,10 @@
 namespace gonogo::outcome {
 
 struct Sidecar : learning::ProblemSidecar {
-  std::string model_hash;                 // empty: the problem was not exported from a model
-  std::map<std::string, double> clamped;  // variable -> value [unit of the variable]
-  double code_penalty = 0;                // energy added to words that are no code words (with_code_penalty())
+  std::string model_hash;                  // empty: the problem was not exported from a model
+  std::map<std::string, double> clamped;   // variable -> value [unit of the variable]
+  std::optional<learning::Problem> words;  // the machine over code words, of a problem with free units
+  double code_penalty = 0;                 // energy added to words that are no code words (with_code_penalty())
   std::map<std::string, double>
       machine_answer;                          // P(outcome | clamped) of the machine's joint; empty: not known exactly
   std::map<std::string, double> model_answer;  // the same by the model, unknown inputs as in gonogo infer

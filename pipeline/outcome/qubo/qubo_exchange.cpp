@@ -1,7 +1,6 @@
 #include "pipeline/outcome/qubo/qubo_exchange.h"
 
 #include <cmath>
-#include <limits>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -16,47 +15,48 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFree = std::numeric_limits<double>::quiet_NaN();
-
-/// Values of the units of clamped variables, NaN for all others.
-std::vector<double> unit_values(const learning::Model& model, const std::map<std::string, double>& clamped) {
-  std::vector<double> values(model.weights.visible_count + model.weights.hidden_count, kFree);
+/// Throws InputError for variables that are not in the model or not finite.
+void check_clamped(const learning::Model& model, const std::map<std::string, double>& clamped) {
   for (const auto& [name, value] : clamped) {
-    const std::size_t v = model.layout.variable_index(name);
+    model.layout.variable_index(name);
     if (!std::isfinite(value)) throw InputError("clamp " + name + ": the value must be a finite number");
-    const learning::Encoder& encoder = model.layout.encoders()[v];
-    encoder.encode_smooth(value, std::span(values).subspan(model.layout.offset(v), encoder.unit_count()));
   }
-  return values;
 }
 
 /// The clamped values in the model's order of variables, NaN for the others.
 std::vector<double> model_point(const learning::Model& model, const std::map<std::string, double>& clamped) {
-  std::vector<double> point(model.layout.variable_count(), kFree);
+  std::vector<double> point(model.layout.variable_count(), NAN);
   for (const auto& [name, value] : clamped) point[model.layout.variable_index(name)] = value;
   return point;
+}
+
+/// What rows of a model's problem say of code words. None if units of different variables are coupled.
+std::optional<CodeMachine> code_machine(const learning::Problem& problem, const Sidecar& sidecar) {
+  return sidecar.words ? CodeMachine::with_free_units(*sidecar.words, problem, sidecar.layout)
+                       : CodeMachine::of(problem, sidecar.layout);
 }
 
 }  // namespace
 
 MachineProblem machine_problem(const learning::Model& model, const std::map<std::string, double>& clamped,
                                learning::Vartype vartype, std::optional<double> code_penalty) {
-  const std::vector<double> fixed = unit_values(model, clamped);
+  check_clamped(model, clamped);
   const std::vector<double> point = model_point(model, clamped);
-  const PreparedMachine prepared =
-      code_penalty ? PreparedMachine{learning::to_qubo(model.weights, model.layout.unit_labels()), *code_penalty, ""}
-                   : prepared_machine(model, fixed);
+  PreparedMachine prepared;
+  if (!code_penalty)
+    prepared = prepared_machine(model, {point, {}});
+  else
+    prepared.problem = penalised_machine(model, {point, {}}, *code_penalty);
   MachineProblem result;
   Sidecar& sidecar = result.sidecar;
   sidecar.clamped = clamped;
   sidecar.layout = model.layout;
-  sidecar.code_penalty = prepared.penalty;
+  sidecar.code_penalty = code_penalty.value_or(0);
+  sidecar.words = prepared.words;
   result.note = prepared.note;
-  const learning::Problem whole =
-      learning::with_code_penalty(prepared.machine, model.layout, fixed, sidecar.code_penalty);
-  result.problem = learning::to_vartype(learning::clamp(whole, fixed), vartype);
+  result.problem = learning::to_vartype(prepared.problem, vartype);
   sidecar.problem_hash = learning::problem_hash(result.problem);
-  const auto machine = CodeMachine::of(result.problem, model.layout);
+  const auto machine = code_machine(result.problem, sidecar);
   const std::vector<double> own = machine ? machine->exact_outcomes() : std::vector<double>();
   const std::vector<double> answer = Predictor(model).outcome_probabilities(point);
   for (std::size_t y = 0; y < own.size(); ++y) sidecar.machine_answer[model.layout.outcomes()[y]] = own[y];
@@ -224,7 +224,11 @@ SampleReport sample_emulated(const fs::path& problem_file, const fs::path& answe
 ImportedAnswer decode_answer_to(const learning::Problem& problem, const Sidecar& sidecar,
                                 const learning::SampleSet& answer, const DecodeSettings& settings,
                                 const std::string& source) {
-  const auto machine = CodeMachine::of(problem, sidecar.layout);
+  if (sidecar.words && settings.decoding != Decoding::weigh)
+    throw InputError(source + ": its problem has free units in place of code words, so " +
+                     decoding_name(settings.decoding) +
+                     " finds none; decode with weigh, or export the problem with a penalty");
+  const auto machine = code_machine(problem, sidecar);
   const bool cannot_weigh = settings.decoding == Decoding::weigh && !machine;
   ImportedAnswer result;
   result.decoded = decode_answer(sidecar, answer, cannot_weigh ? Decoding::discard : settings.decoding,

@@ -26,9 +26,9 @@ struct MachineProblem {
   std::string note;  // what was done to the machine and why; empty when there is nothing to say
 };
 
-/// `clamped` variables are fixed to their smooth code and leave the problem; the others get `code_penalty`, without a
-/// value as prepared_machine.h says. Throws InputError for variables that are not in the model or not finite, and for a
-/// negative penalty.
+/// `clamped` variables are fixed to their smooth code and leave the problem. Words of the others that are no code words
+/// get `code_penalty`; without a value prepared_machine.h chooses the units. Throws InputError for variables that are
+/// not in the model or not finite, and for a negative penalty.
 MachineProblem machine_problem(const learning::Model& model, const std::map<std::string, double>& clamped,
                                learning::Vartype vartype, std::optional<double> code_penalty = std::nullopt);
 

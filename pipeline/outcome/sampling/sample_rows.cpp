@@ -30,26 +30,6 @@ enum RowStream : std::uint64_t {
 
 constexpr double kMinWorth = 0.05;  // least share of the reads that their weights may be worth
 
-/// Samplers of bipartite problems cannot take a penalty, which couples visible units.
-bool sampled_as_it_is(const std::string& sampler) {
-  return sampler == learning::kEmulator || !learning::sampler_named(sampler).any_problem;
-}
-
-learning::Problem clamped_problem(const learning::Model& model, const learning::KnownPart& known, bool penalised) {
-  const learning::VisibleLayout& layout = model.layout;
-  const learning::Problem whole = balanced_machine(model);
-  std::vector<double> fixed(whole.variable_count(), NAN);
-  for (std::size_t v = 0; v < layout.variable_count(); ++v)
-    if (!std::isnan(known.variables[v]))
-      layout.encoders()[v].encode_smooth(known.variables[v],
-                                         std::span(fixed).subspan(layout.offset(v), layout.encoders()[v].unit_count()));
-  const double strength = penalised ? measured_penalty(whole, layout, fixed) : 0;
-  const learning::Problem problem = learning::with_code_penalty(whole, layout, fixed, strength);
-  if (known.outcome)
-    for (std::size_t y = 0; y < layout.outcome_count(); ++y) fixed[layout.input_unit_count() + y] = y == *known.outcome;
-  return learning::clamp(problem, fixed);
-}
-
 learning::SampleSet reads_of(const learning::Problem& problem, const RowRequest& request) {
   learning::SampleRequest asked;
   asked.reads = request.rows;
@@ -69,10 +49,8 @@ std::vector<std::size_t> drawn_again(const std::vector<double>& log_weight, doub
   double square = 0;
   for (double w : weight) square += w * w;
   if (1 / square < kMinWorth * count)
-    throw InputError(
-        line("sampler %s: words that are no code words leave %.0f of %.0f reads, weighed; take "
-             "code_words, tempering or anneal",
-             sampler.c_str(), 1 / square, count));
+    throw InputError(line("sampler %s: its reads, weighed, are worth %.0f of %.0f; take code_words or tempering",
+                          sampler.c_str(), 1 / square, count));
   std::vector<std::size_t> chosen;
   double sum = 0;
   for (std::size_t r = 0; r < weight.size(); ++r) {
@@ -84,29 +62,28 @@ std::vector<std::size_t> drawn_again(const std::vector<double>& log_weight, doub
 }
 
 /// Words of `request.rows` rows by samplers of single units, as an annealer draws them: [row][group] of the machine
-/// with what is known clamped. The hidden units of every read give the words. block_gibbs and emulator sample the
-/// machine as it is: reads are weighed for the words that are no code words, and drawn again by their weights. anneal
-/// and population sample it with a penalty of 8 on such words. Throws InputError where the weights leave fewer than
-/// kMinWorth of the reads.
+/// with what is known clamped. Free units stand for the words, and the hidden units of every read give them. Reads are
+/// weighed, and drawn again by their weights. Throws InputError where the weights leave fewer than kMinWorth of the
+/// reads.
 std::vector<std::vector<std::uint16_t>> unit_rows(const learning::Model& model, const learning::KnownPart& known,
                                                   const RowRequest& request) {
-  const learning::Problem problem = clamped_problem(model, known, !sampled_as_it_is(request.sampler));
-  const std::optional<CodeMachine> machine = CodeMachine::of(problem, model.layout);
-  if (!machine) throw InputError("sampler " + request.sampler + ": a variable of this model has too many units for it");
+  const PreparedMachine prepared = machine_of_free_units(model, known);
+  const learning::Problem& problem = prepared.problem;
+  const CodeMachine machine = prepared.code_machine(model.layout);
   const learning::SampleSet reads = reads_of(problem, request);
   std::vector<CodeMachine::Given> given;
   std::vector<double> log_weight;
   for (std::size_t r = 0; r < reads.row_count(); ++r) {
-    given.push_back(machine->given(reads.row(r)));
+    given.push_back(machine.given(reads.row(r)));
     log_weight.push_back(given.back().log_words - given.back().log_all);
   }
   std::vector<std::vector<std::uint16_t>> rows;
   for (std::size_t r : drawn_again(log_weight, random_unit(request.seed, kAgainStream, 0), request.sampler)) {
     std::vector<std::uint16_t>& row = rows.emplace_back();
-    for (std::size_t g = 0; g < machine->groups().size(); ++g) {
+    for (std::size_t g = 0; g < machine.groups().size(); ++g) {
       const std::vector<double>& p = given[r].probability[g];
       std::size_t k = 0;
-      const std::uint64_t draw = (rows.size() - 1) * machine->groups().size() + g;
+      const std::uint64_t draw = (rows.size() - 1) * machine.groups().size() + g;
       for (double left = random_unit(request.seed, kWordStream, draw) - p[0]; left >= 0 && k + 1 < p.size();)
         left -= p[++k];
       row.push_back(std::uint16_t(k));

@@ -26,8 +26,8 @@ enum class RowSource { machine, prior };
 ///   code_words   block Gibbs over code words (learning/machine/word_machine.h)
 ///   tempering    the same with `rungs` temperatures
 ///   block_gibbs, anneal, population, emulator
-///                rows of single units, as an annealer draws them. Words that are no code words cost energy
-///                (with_code_penalty()) or are weighed out by the hidden units (code_machine.h)
+///                rows of single units, as an annealer draws them: free units stand for the words, which the hidden
+///                units give (prepared_machine.h)
 std::vector<std::string> row_samplers();
 
 struct RowRequest {
