@@ -139,12 +139,14 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
       (settings.given.count("negative") && training.negative != learning::NegativePhaseKind::code_words);
   if (other_rows) return settings;
   const bool many = trials >= kManyTrials;
+  // Points of a teacher that share in the joint distribution keep its large weight from blurring the edge.
+  const bool is_taught = settings.teacher.value_or(1) > 0 && settings.importance == 1;
   const auto set = [&](const char* key, auto& value, auto chosen) {
     if (!settings.given.count(key)) value = chosen;
   };
   set("negative", training.negative, learning::NegativePhaseKind::code_words);
   set("hidden", training.hidden, std::size_t(many ? 48 : 16));
-  set("generative", training.generative, many ? 0.1 : 0.6);
+  set("generative", training.generative, many ? 0.1 : is_taught ? 0.6 : 0.07);
   set("weight_decay", training.weight_decay, many ? 0.3 : 1.0);
   set("chains", training.chains, std::size_t(256));
   if (many) set("learning_rate", training.learning_rate, 0.03);

@@ -113,6 +113,7 @@ Capacity::Machine measured(const TrainingData& data, LearningSettings settings, 
   for (const campaign::Variable& variable : campaign::contract().variables)
     if (!settings.encoders.count(variable.name) && variable.encoder.code != "one_hot")
       settings.encoders[variable.name] = {variable.encoder.code, bits};
+  settings.teacher = 0;
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), seed);
   const learning::VisibleLayout layout = make_layout(data, settings);
   Capacity::Machine machine{.bits = bits,
