@@ -4,7 +4,8 @@
 //
 //   P(h) ~ exp(b.h + sum_g log sum_w exp(a_w + f_w.h)),     f_w the field of word w of group g.
 //
-// Samplers of single units cannot draw whole words. So free units, coupled with hidden units alone, stand for the words:
+// Samplers of single units cannot draw whole words. So free units, coupled with hidden units alone, stand for the
+// words:
 //
 //   Q(h) ~ exp(b'.h + sum_k log(1 + exp(a'_k + W'_k.h))).
 //
