@@ -80,7 +80,7 @@ def test_a_vehicle_is_put_into_a_world_and_driven():
     world.add_floor(0.0)
     world.set_law(0, 2, friction=0.8)
     driven = world.add_vehicle(vehicle, (10, 10, 0))
-    simulation = gonogo.Simulation([world], step=2e-3, iterations=50)
+    simulation = gonogo.Simulation([world], step=2e-3, iterations=100)
     simulation.step(500)
     weight = sum(simulation.contact_force(wheel)[2] for wheel in driven.wheels)
     assert weight == pytest.approx(vehicle.mass * 9.81, rel=0.03)

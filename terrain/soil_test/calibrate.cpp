@@ -10,6 +10,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/json/config.h"
+#include "base/json/seal.h"
 #include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "terrain/soil_test/penetration.h"
@@ -26,6 +27,7 @@ TestJournal::TestJournal(std::filesystem::path path, std::string maker)
   if (file.text("maker") != maker_)
     file.fail("maker", "these tests were made by another grain size, shape or version (" + file.text("maker") +
                            "); name another file or remove this one");
+  require_seal(file.json(), path_.string(), "remove it, and its tests are run again");
   for (const Config& test : file.objects("tests")) result_[test.text("name")] = test.numbers("numbers");
 }
 
@@ -54,7 +56,7 @@ void TestJournal::save() const {
     test["numbers"] = numbers;
     j["tests"].push_back(test);
   }
-  write_file_atomically(path_, j.dump(1) + "\n");
+  write_file_atomically(path_, sealed(std::move(j)).dump(1) + "\n");
 }
 
 namespace {

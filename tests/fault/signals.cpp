@@ -177,7 +177,8 @@ TEST_CASE("a trial and rows and weighed soil tests end wherever they are interru
       [&](int k) {
         const auto soil = folder / (std::to_string(k) + ".json");
         fs::copy_file(kSource / "configs/soils/sandy_loam.json", soil);
-        return std::vector<std::string>{"soil", "fit", soil, "--calibration", "calibration_32mm"};
+        return std::vector<std::string>{"soil", "fit", soil, "--calibration",
+                                        kSource / "configs/soils/calibration_32mm.json"};
       },
       1);
   check_nothing_half_written(folder.path());

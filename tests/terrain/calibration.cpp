@@ -8,6 +8,8 @@
 #include "base/files/file.h"
 #include "base/units.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -136,6 +138,21 @@ TEST_CASE("a table of a range of contact levels has what the whole table has the
   run.friction_range = {0.65, 0.7};
   CHECK(refusal([&] { calibrate(run); }).find("leaves 1 contact levels") != std::string::npos);
   std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("one changed digit in a journal of soil tests is refused") {
+  const TemporaryFolder folder;
+  const auto path = folder / "journal.json";
+  TestJournal(path, "maker").add("triaxial", {0.25, 31.5});
+  const std::string whole = read_file(path);
+  for (const char* number : {"0.25", "31.5"}) {
+    std::string bytes = whole;
+    bytes[bytes.find(number) + 3] ^= 1;
+    write_file_atomically(path, bytes);
+    CHECK(contains(input_error([&] { TestJournal(path, "maker"); }), "does not match the rest of the file"));
+  }
+  write_file_atomically(path, whole);
+  CHECK(TestJournal(path, "maker").find("triaxial") == std::vector<double>{0.25, 31.5});
 }
 
 TEST_CASE("a run that goes on does only what its journal lacks, and has the bits of one that was never interrupted") {
