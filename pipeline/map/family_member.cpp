@@ -7,8 +7,8 @@
 #include "base/format.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
-#include "vehicle/world/engine_vehicle.h"
 #include "vehicle/model/statics.h"
+#include "vehicle/world/engine_vehicle.h"
 
 namespace gonogo::map {
 namespace {
@@ -74,8 +74,7 @@ MeasureScale measure_scale(const FamilyMember& m, const campaign::DesignPoint& p
   const double wheels = 2 * driven.axles;
   double own_wheels = 0;
   for (const vehicle::RunningPart& part : vehicle::running_parts(m.vehicle)) own_wheels += part.driven;
-  const double weight =
-      m.mass * m.gravity / (wheels * vehicle::load_of(m.family, driven.wheel, m.family_gravity));
+  const double weight = m.mass * m.gravity / (wheels * vehicle::load_of(m.family, driven.wheel, m.family_gravity));
   const double radius = vehicle::drive_radius(m.vehicle) / (m.family.diameter / 2);
   return {.weight = weight, .torque = weight * radius * wheels / own_wheels};
 }

@@ -1,6 +1,6 @@
-// The model of a family, asked about one vehicle. Flow of grains under a wheel scales (vehicle/family/numbers.h), so that
-// trials at the family's size and gravity answer for members of any size, on any ground: each question is put in the
-// family's numbers, and each measure comes back in the member's metres and newtons.
+// The model of a family, asked about one vehicle. Flow of grains under a wheel scales (vehicle/family/numbers.h), so
+// that trials at the family's size and gravity answer for members of any size, on any ground: each question is put in
+// the family's numbers, and each measure comes back in the member's metres and newtons.
 #pragma once
 #include <filesystem>
 #include <span>
@@ -38,8 +38,8 @@ std::vector<double> family_point(const FamilyMember& member, std::span<const dou
 /// the family's model.
 Spreads family_values(const FamilyMember& member, const std::vector<Range>& sampled);
 
-/// The family's model as one of the member. Its box is that of the family's trials at the member's scale. Payloads go to
-/// a quarter of the mass, as in trials of a vehicle's own, and no further than the family's range.
+/// The family's model as one of the member. Its box is that of the family's trials at the member's scale. Payloads go
+/// to a quarter of the mass, as in trials of a vehicle's own, and no further than the family's range.
 OutcomeModel model_of_member(const OutcomeModel& family, const FamilyMember& member);
 
 /// The family's trials as the member would have driven them: points and measures at its scale. Energies and torques

@@ -39,7 +39,8 @@ vehicle::Family wheeled() { return vehicle::read_family(Config::read(kConfigs / 
 
 /// Numbers of the HMMWV at the Earth, so that members of any size can be made with them.
 vehicle::VehicleNumbers some_numbers() {
-  vehicle::VehicleNumbers n = vehicle::vehicle_numbers(vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
+  vehicle::VehicleNumbers n =
+      vehicle::vehicle_numbers(vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
   n.top_speed = 3;
   return n;
 }
@@ -153,7 +154,8 @@ std::vector<TrialRecord> made_trials() {
     draw("cohesion", 0, 15);
     draw("load_number", 0.3, 5);
     for (const vehicle::PlacedNumber& n : vehicle::placed(wheeled(), some_numbers()))
-      if (n.name != "top_speed_number" && n.name != "load_number") draw(n.name.c_str(), n.range.minimum, n.range.maximum);
+      if (n.name != "top_speed_number" && n.name != "load_number")
+        draw(n.name.c_str(), n.range.minimum, n.range.maximum);
     draw("axles", 1.5, 4.5);
     draw("relative_density", 0, 1);
     draw("tyre_friction", 0.3, 1);
