@@ -285,7 +285,7 @@ Halves halves_of(const Columns& columns, const learning::TrainingTable& trials, 
 
 std::optional<JointSummary> scored_joint(const Predictor& predictor, const learning::TrainingTable& trials,
                                          std::uint64_t seed) {
-  constexpr std::size_t kFewest = 30, kEnough = 1000, kMostSplits = 10, kDrawn = 4000;
+  constexpr std::size_t kFewest = 20, kEnough = 1000, kMostSplits = 10, kDrawn = 4000;
   const Columns columns(predictor.model().layout);
   const Halves first = halves_of(columns, trials, seed);
   if (first.real.count() < kFewest || columns.count() < 3) return std::nullopt;
