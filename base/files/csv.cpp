@@ -51,6 +51,7 @@ class CsvReader {
     for (skip_to_record(); at_ < text_.size(); skip_to_record()) list.push_back(record());
     return list;
   }
+  bool between_semicolons() const { return separator_ == ';'; }
 
  private:
   static bool is_end(char c) { return c == '\n' || c == '\r'; }
@@ -129,12 +130,40 @@ class CsvReader {
   char separator_ = ',';
 };
 
+/// Where the decimal sign of a number such as -1,5 stands; npos in cells that are none.
+std::size_t decimal_sign(const std::string& cell, char sign) {
+  const std::size_t at = cell.find(sign);
+  if (at == std::string::npos) return at;
+  std::string number = cell;
+  number[at] = '.';
+  char* end = nullptr;
+  std::strtod(number.c_str(), &end);
+  return *end == '\0' && number.find(',') == std::string::npos ? at : std::string::npos;
+}
+
+/// Decimal commas become points, unless a number of the table has a point: then a comma parts thousands, or the file is
+/// mixed, and the cell stays as it is.
+void take_decimal_commas(std::vector<CsvLine>& lines) {
+  for (const CsvLine& line : lines)
+    for (const std::string& cell : line.cell)
+      if (decimal_sign(cell, '.') != std::string::npos) return;
+  for (CsvLine& line : lines)
+    for (std::string& cell : line.cell)
+      if (const std::size_t at = decimal_sign(cell, ','); at != std::string::npos) cell[at] = '.';
+}
+
 }  // namespace
 
 std::vector<CsvLine> read_csv_lines(const std::filesystem::path& file, const std::string& rows) {
-  const std::string text = whole_lines(file, read_file(file));
-  std::vector<CsvLine> lines = CsvReader(file, text).records();
+  return csv_lines(read_file(file), file, rows);
+}
+
+std::vector<CsvLine> csv_lines(const std::string& given, const std::filesystem::path& file, const std::string& rows) {
+  const std::string text = whole_lines(file, given);
+  CsvReader reader(file, text);
+  std::vector<CsvLine> lines = reader.records();
   if (lines.empty()) throw InputError(file.string() + ": holds no " + rows);
+  if (reader.between_semicolons()) take_decimal_commas(lines);
   std::vector<std::string>& header = lines.front().cell;
   if (header.size() > 1 && header.back().empty()) header.pop_back();
   for (CsvLine& line : lines)
@@ -148,11 +177,20 @@ bool is_missing(const std::string& cell) {
   return false;
 }
 
+namespace {
+
+bool needs_quotes(const std::string& cell) {
+  return cell.find_first_of(",;\t\"\r\n") != std::string::npos || cell.rfind('#', 0) == 0 ||
+         without_blanks(cell) != cell;
+}
+
+}  // namespace
+
 std::string csv_row(const std::vector<std::string>& cells) {
   std::string row;
   for (const std::string& cell : cells) {
     if (&cell != &cells.front()) row += ',';
-    if (cell.find_first_of(",\"\n") == std::string::npos) {
+    if (!needs_quotes(cell)) {
       row += cell;
       continue;
     }

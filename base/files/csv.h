@@ -23,9 +23,14 @@ struct CsvLine {
 
 /// Records as RFC 4180 has them: cells in double quotes may hold separators, line ends and doubled quotes. The
 /// separator is the most frequent of comma, semicolon and tab in the header, or what a first line "sep=;" says. A byte
-/// order mark of UTF-8, line ends of any system, and one empty cell more than the header has are taken. Throws
-/// InputError as read_data_lines() does, for UTF-16, and for quotes that do not end or stand inside a cell.
+/// order mark of UTF-8, line ends of any system, and one empty cell more than the header has are taken. Between
+/// semicolons numbers may have a decimal comma, as where a comma is the decimal sign, unless any has a point; they come
+/// back with a point. Throws InputError as read_data_lines() does, for UTF-16, and for quotes that do not end or stand
+/// inside a cell.
 std::vector<CsvLine> read_csv_lines(const std::filesystem::path& file, const std::string& rows);
+
+/// The same for text that is in memory; `name` stands for the file in messages.
+std::vector<CsvLine> csv_lines(const std::string& text, const std::filesystem::path& name, const std::string& rows);
 
 /// Whether a cell says that its value is not known: empty, NA, N/A, NaN, NULL.
 bool is_missing(const std::string& cell);

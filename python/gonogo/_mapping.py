@@ -83,8 +83,18 @@ class _Ground(NamedTuple):
 
 
 def _of_rasterio(dem: Any) -> _Ground:
+    if dem.count >= 3:
+        raise _core.InputError(f"dem: {dem.name}: has {dem.count} bands, which is a picture; give a raster of heights")
     return _Ground(dem.read(1, masked=True), dem.crs, dem.transform, None, dem.scales[0], dem.offsets[0],
                    dem.units[0] or "")
+
+
+def _require_even(places: NDArray[Any], axis: Any) -> None:
+    """Of an axis of cells: its steps are alike within 1 % of a cell."""
+    steps = np.diff(np.asarray(places, dtype=np.float64))
+    if steps.size and np.abs(steps - steps.mean()).max() > 0.01 * abs(steps.mean()):
+        raise _core.InputError(f"dem: its coordinates {axis} have steps from {np.abs(steps).min():g} to {np.abs(steps).max():g}; "
+                               "a map needs equal ones: bring it to a regular grid with interp or rio.reproject")
 
 
 def _of_xarray(dem: Any) -> _Ground:
@@ -92,6 +102,8 @@ def _of_xarray(dem: Any) -> _Ground:
     flat = dem.squeeze()
     if flat.ndim == 2:
         flat = flat.transpose(dem.rio.y_dim, dem.rio.x_dim)
+        for axis in (dem.rio.x_dim, dem.rio.y_dim):
+            _require_even(flat[axis].values, axis)
     about = dem.attrs
     return _Ground(flat.values, dem.rio.crs, dem.rio.transform(recalc=True), dem.rio.nodata,
                    float(about.get("scale_factor", 1)), float(about.get("add_offset", 0)), str(about.get("units", "")))
@@ -102,6 +114,8 @@ def _heights(ground: _Ground) -> tuple[NDArray[np.float32], tuple[float, ...]]:
     masked = np.ma.asarray(ground.values)
     if masked.ndim != 2:
         raise _core.InputError(f"dem: an array of {masked.ndim} dimensions; [row, column] is needed")
+    if masked.dtype.kind not in "iuf":
+        raise _core.InputError(f"dem: an array of {masked.dtype}; heights are whole or real numbers")
     missing = np.ma.getmaskarray(masked).copy()
     if ground.nodata is not None and not np.isnan(ground.nodata):
         missing |= masked.data == ground.nodata
@@ -123,13 +137,15 @@ def _elevation_file(dem: Any, crs: Any, transform: Any, folder: Path) -> str:
     if isinstance(dem, (str, os.PathLike)):
         return os.path.abspath(dem)
     if hasattr(dem, "read") and hasattr(dem, "name"):  # rasterio
-        if os.path.isfile(dem.name):
+        if dem.mode == "r" and os.path.isfile(dem.name):  # what others hold may not be written yet
             return os.path.abspath(str(dem.name))
         ground = _of_rasterio(dem)
     elif hasattr(dem, "rio"):  # xarray with rioxarray
         ground = _of_xarray(dem)
     else:
         ground = _Ground(dem, crs, transform)
+    if ground.crs is None and crs is not None:
+        ground = ground._replace(crs=crs)
     if ground.crs is None or ground.transform is None:
         raise _core.InputError("dem: an array needs crs= and transform=, as rasterio gives them")
     values, north_up = _heights(ground)

@@ -20,11 +20,18 @@ class Points(NamedTuple):
 def points_of(given: Any) -> Points:
     """A dict or frame with any subset of the variables, or an array [row, variable] of all of them in order."""
     if isinstance(given, Mapping):
-        return _of_columns({name: np.asarray(column, dtype=np.float64) for name, column in given.items()})
+        return _of_columns({name: _with_unknowns(column) for name, column in given.items()})
     if hasattr(given, "columns") and hasattr(given, "to_numpy"):
         return Points(_of_frame(given), given.index)
-    array = np.ascontiguousarray(given, dtype=np.float64)
+    array = np.ascontiguousarray(_with_unknowns(given))
     return Points(array[None, :], one=True) if array.ndim == 1 else Points(array)
+
+
+def _with_unknowns(given: Any) -> NDArray[np.float64]:
+    """As float64; what is masked is unknown."""
+    if np.ma.isMaskedArray(given):
+        return np.ma.filled(given.astype(np.float64), np.nan)
+    return np.asarray(given, dtype=np.float64)
 
 
 def _of_columns(columns: dict[str, NDArray[np.float64]]) -> Points:

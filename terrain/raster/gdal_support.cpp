@@ -15,6 +15,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/units.h"
+#include "terrain/raster/open_file.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -43,14 +44,14 @@ void use_carried_systems() {
 }  // namespace
 
 GdalCall::GdalCall() {
-  static const bool registered = [] {
-    GDALAllRegister();
+  static const bool prepared = [] {
+    register_drivers();
     use_carried_systems();
     // GDAL keeps decoded blocks; by default up to 5 % of the machine's memory, which maps do not need.
     if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(std::int64_t(128) << 20);
     return true;
   }();
-  (void)registered;
+  (void)prepared;
   CPLPushErrorHandler(CPLQuietErrorHandler);
   CPLErrorReset();
   is_offline_ = !network_allowed();

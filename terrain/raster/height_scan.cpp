@@ -197,6 +197,41 @@ class NodataDigits {
   std::optional<double> value_;
 };
 
+/// Cells that hold the largest whole number of the band's type, which nobody declared: often what a program writes
+/// where nothing was measured. It is one if no other value reaches three quarters of it.
+class LargestCode {
+ public:
+  explicit LargestCode(GDALRasterBand& band) {
+    switch (band.GetRasterDataType()) {
+      case GDT_Byte:
+        code_ = 255;
+        break;
+      case GDT_Int16:
+        code_ = 32767;
+        break;
+      case GDT_UInt16:
+        code_ = 65535;
+        break;
+      default:
+        return;
+    }
+  }
+  void count(float stored) {
+    if (stored == code_)
+      ++cells_;
+    else if (stored > most_)
+      most_ = stored;
+  }
+  std::optional<FoundVoid> found() const {
+    if (cells_ == 0 || 4 * most_ >= 3 * code_) return std::nullopt;
+    return FoundVoid{code_, cells_};
+  }
+
+ private:
+  float code_ = std::numeric_limits<float>::infinity(), most_ = 0;
+  std::uint64_t cells_ = 0;
+};
+
 /// The values that count as voids, and their cells; refused above three kinds.
 class ImpossibleValues {
  public:
@@ -231,7 +266,9 @@ class Voids {
       : scale_(scale), nodata_(nodata), columns_(columns) {
     for (const float stored : {-999.f, -99.f, 0.f}) suspect_.push_back({.stored = stored});
     if (scale.is_plain) return;
-    for (const double stored : {kVoidCode, (kVoidCode - scale.offset) / scale.scale})
+    // Codes of programs that write no height, and the ends of whole numbers of 16 and 32 bits.
+    for (const double stored : {kVoidCode, (kVoidCode - scale.offset) / scale.scale, -32768.0, -32767.0, 32767.0,
+                                65535.0, -2147483648.0, 2147483647.0})
       suspect_.push_back({.stored = float(stored)});
   }
 
@@ -316,8 +353,8 @@ void read_row(GDALDataset& dataset, const std::string& name, const NodataDigits&
 /// Reads all cells once, row by row. Voids are
 ///   - -9999 where values have neither scale nor offset, the declared nodata with other digits, and heights outside of
 ///   -11,500 to 9,000 m on the Earth or +-30,000 m elsewhere, if there are at most three;
-///   - -999, -99 and 0, and with scale or offset -9999, stored or scaled, if at least half of their borders with other
-///   heights are steeper than 60 degrees.
+///   - -999, -99 and 0, and with scale or offset -9999, stored or scaled, and the ends of whole numbers of 16 and 32
+///   bits, if at least half of their borders with other heights are steeper than 60 degrees.
 /// Flat are connected areas of one height with at least 400 cells and 1 ha. Where all heights are whole numbers, plains
 /// have such areas too; there it takes 1 km2 that hardly borders on anything lower. Fringes less than four cells wide
 /// are not counted in. Memory grows with the width of the raster and the flat areas.
@@ -384,20 +421,26 @@ std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& nam
   std::vector<float> row(static_cast<std::size_t>(window.columns));
   std::vector<unsigned char> valid(row.size());
   ImpossibleValues impossible;
+  LargestCode largest(band);
   for (int r = 0; r < window.rows; ++r) {
     if (r % 256 == 0) stop_if_cancelled();
     read_row(dataset, name, nodata, window.column, window.row + r, row, valid);
     for (const float stored : row) {
       const double value = scale * double(stored) + offset;
-      if (value < range.low || value > range.high || nodata.is_near(stored)) impossible.count(stored, value);
+      if (value < range.low || value > range.high || nodata.is_near(stored))
+        impossible.count(stored, value);
+      else
+        largest.count(stored);
     }
   }
   if (impossible.are_too_many())
-    throw InputError(
-        line("%s: holds values such as %.5g and %.5g, and a %s lies between %g and %g; check its unit and "
-             "scale, and declare what is no value with gdal_edit.py -a_nodata",
-             name.c_str(), impossible.lowest(), impossible.highest(), range.what.c_str(), range.low, range.high));
-  const std::vector<FoundVoid> voids = impossible.list();
+    throw InputError(line("%s: holds values such as %.5g and %.5g, and a %s ", name.c_str(), impossible.lowest(),
+                          impossible.highest(), range.what.c_str()) +
+                     (std::isfinite(range.high) ? line("lies between %g and %g", range.low, range.high)
+                                                : line("is not below %g", range.low)) +
+                     "; check its unit and scale, and declare what is no value with gdal_edit.py -a_nodata");
+  std::vector<FoundVoid> voids = impossible.list();
+  if (const auto code = largest.found()) voids.push_back(*code);
   for (const FoundVoid& found : voids)
     remarks.push_back(
         line("%llu cells of %s hold %g, which is no %s; they count as without data. Declare it with "

@@ -42,9 +42,9 @@ HeightScale height_scale(GDALDataset& dataset, const GeoTransform& t, const OGRS
 HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const HeightScale& scale,
                           const HeightWish& wish, std::vector<std::string>& remarks);
 
-/// The stored values in a window of the raster that its range does not allow, or that are the declared nodata but for
-/// their last digits, with a remark for each. Throws InputError when there are more than three kinds, and for a damaged
-/// file.
+/// The stored values in a window of the raster that its range does not allow, that are the declared nodata but for
+/// their last digits, or the largest whole number of the type far above all others, with a remark for each. Throws
+/// InputError when there are more than three kinds, and for a damaged file.
 std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& name, Window window,
                                     const ValueRange& range, std::vector<std::string>& remarks);
 

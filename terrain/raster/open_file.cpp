@@ -16,6 +16,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/progress.h"
+#include "terrain/raster/file/whole_file.h"
 
 namespace gonogo::terrain {
 namespace fs = std::filesystem;
@@ -67,6 +68,16 @@ constexpr const char* kVectorFormats[] = {"ESRI Shapefile",
                                           "UK .NTF",
                                           "TIGER",
                                           nullptr};
+
+/// What maps are made with besides.
+constexpr const char* kWorkFormats[] = {"MEM", "Memory", "COG", nullptr};
+
+bool is_listed(const char* name) {
+  for (const char* const* list : {kRasterFormats, kVectorFormats, kWorkFormats})
+    for (; *list; ++list)
+      if (EQUAL(*list, name)) return true;
+  return false;
+}
 
 constexpr auto kNotice = std::chrono::seconds(10), kLongest = std::chrono::seconds(60);
 
@@ -150,19 +161,49 @@ std::string inside_zip(const fs::path& zip, FileKind kind) {
                                   : "several rasters, " + join_words(found) + "; unzip it and name the one"));
 }
 
+/// Drivers that are registered no more.
+std::vector<GDALDriver*>& left_out_drivers() {
+  static std::vector<GDALDriver*> list;
+  return list;
+}
+
+/// The format of a file that no driver of the list takes; null for a file of none.
+GDALDriver* other_format(const fs::path& path, FileKind kind) {
+  if (format_on_list(path.string(), kind)) return nullptr;
+  if (auto* driver = GDALDriver::FromHandle(GDALIdentifyDriverEx(path.c_str(), flags(kind), nullptr, nullptr)))
+    return driver;
+  const char* capability = kind == FileKind::raster ? GDAL_DCAP_RASTER : GDAL_DCAP_VECTOR;
+  for (GDALDriver* driver : left_out_drivers()) {
+    GDALOpenInfo info(path.c_str(), int(flags(kind)));
+    if (driver->pfnIdentify && driver->GetMetadataItem(capability) && driver->pfnIdentify(&info) > 0) return driver;
+  }
+  return nullptr;
+}
+
 /// Why no format of the list takes the file.
 [[noreturn]] void refuse_format(const fs::path& path, FileKind kind, const std::string& reason) {
-  GDALDriverH other = GDALIdentifyDriverEx(path.c_str(), flags(kind), nullptr, nullptr);
-  const std::string name = other ? GDALGetDriverShortName(other) : "";
-  const bool listed = other && format_on_list(path.string(), kind);
-  if (other && !listed)
-    throw InputError(path.string() + ": is of the format " + name + " (" + GDALGetDriverLongName(other) +
+  if (GDALDriver* other = other_format(path, kind))
+    throw InputError(path.string() + ": is of the format " + other->GetDescription() + " (" +
+                     other->GetMetadataItem(GDAL_DMD_LONGNAME) +
                      "), which may name hosts, databases or other files; give a " + example(kind) +
                      ", or --allow-network to open it");
   throw InputError(path.string() + ": cannot be read as " +
                    (kind == FileKind::raster ? "a raster" : "lines or polygons") + " (" + reason +
                    "); give a format that " + (kind == FileKind::raster ? "gdalinfo" : "ogrinfo") +
                    " opens, for example " + example(kind));
+}
+
+/// Labels and headers (PDS, ISIS, ERS) may name any file as theirs, here or elsewhere.
+void check_folder(const fs::path& path, GDALDataset& dataset) {
+  const CPLStringList files(dataset.GetFileList());
+  std::error_code ec;
+  const fs::path folder =
+      fs::weakly_canonical(fs::is_directory(path, ec) ? path : fs::absolute(path).parent_path(), ec);
+  for (int i = 0; i < files.size(); ++i) {
+    if (is_in_archive(files[i])) continue;
+    const fs::path within = fs::weakly_canonical(fs::absolute(files[i]).parent_path(), ec).lexically_relative(folder);
+    if (within.empty() || *within.begin() == "..") refuse_source(path, files[i]);
+  }
 }
 
 /// A sidecar (.aux.xml) may name a file of overviews, which GDAL opens by any driver.
@@ -210,6 +251,22 @@ DatasetHandle open_in_time(const fs::path& path, const std::string& name, FileKi
 
 }  // namespace
 
+void register_drivers() {
+  static const bool registered = [] {
+    GDALDriverManager& drivers = *GetGDALDriverManager();
+    const bool is_ours = drivers.GetDriverCount() == 0 && !network_allowed();
+    GDALAllRegister();
+    for (int d = is_ours ? drivers.GetDriverCount() - 1 : -1; d >= 0; --d) {
+      GDALDriver* driver = drivers.GetDriver(d);
+      if (is_listed(driver->GetDescription())) continue;
+      drivers.DeregisterDriver(driver);
+      left_out_drivers().push_back(driver);
+    }
+    return true;
+  }();
+  (void)registered;
+}
+
 DatasetHandle open_file(const fs::path& path, FileKind kind) {
   const GdalCall call;
   std::error_code ec;
@@ -221,8 +278,13 @@ DatasetHandle open_file(const fs::path& path, FileKind kind) {
   if (EQUAL(path.extension().c_str(), ".zip")) name = inside_zip(path, kind);
   const char* format = network_allowed() ? nullptr : format_on_list(name, kind);
   if (format && EQUAL(format, "VRT")) check_virtual_raster(name, 0);
+  const bool is_netcdf = EQUAL(path.extension().c_str(), ".nc") || (format && EQUAL(format, "netCDF"));
+  if (is_netcdf && fs::is_regular_file(path, ec)) require_whole_netcdf(path);
   DatasetHandle dataset = open_in_time(path, name, kind);
-  if (!network_allowed()) check_sidecar(path, *dataset);
+  require_whole_raw(path, *dataset);
+  if (network_allowed()) return dataset;
+  check_sidecar(path, *dataset);
+  if (!format || !EQUAL(format, "VRT")) check_folder(path, *dataset);
   return dataset;
 }
 

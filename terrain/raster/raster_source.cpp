@@ -187,7 +187,7 @@ RasterSource RasterSource::open(const RasterFiles& files, const GridWish& wish, 
   return source;
 }
 
-RasterSource RasterSource::open_as_it_lies(const RasterFiles& files) {
+RasterSource RasterSource::open_as_it_lies(const RasterFiles& files, const std::optional<ValueRange>& range) {
   auto state = std::make_unique<State>();
   state->raster = open_raster(files);
   GDALDataset& dataset = *state->raster.dataset;
@@ -196,7 +196,12 @@ RasterSource RasterSource::open_as_it_lies(const RasterFiles& files) {
   state->grid = describe_grid(dataset.GetRasterXSize(), dataset.GetRasterYSize(), crs, t);
   state->scale = dataset.GetRasterBand(1)->GetScale();
   state->offset = dataset.GetRasterBand(1)->GetOffset();
-  state->open = [files] { return open_raster(files); };
+  std::vector<FoundVoid> voids;
+  if (range)
+    voids = doubt_values(dataset, state->raster.name, {0, 0, state->grid.columns, state->grid.rows}, *range,
+                         state->remarks);
+  state->open = [files, voids] { return open_without(files, voids); };
+  if (!voids.empty()) state->raster = state->open();
   return RasterSource(std::move(state));
 }
 

@@ -33,9 +33,10 @@ class RasterSource {
   /// that is not known or contradicts itself, and heights that no ground has. See terrain/raster/height_scan.h.
   static RasterSource open_heights(const RasterFiles& files, const GridWish& wish, const HeightWish& heights);
 
-  /// Opens any raster as it lies: band 1 with scale and offset, on its own grid, in its own unit. Throws InputError: no
-  /// such file, not a raster, no coordinate system, no geotransform, rotated grid.
-  static RasterSource open_as_it_lies(const RasterFiles& files);
+  /// Opens any raster as it lies: band 1 with scale and offset, on its own grid, in its own unit. Undeclared voids
+  /// outside of `range` are left out. Throws InputError: no such file, not a raster, no coordinate system, no
+  /// geotransform, rotated grid.
+  static RasterSource open_as_it_lies(const RasterFiles& files, const std::optional<ValueRange>& range = {});
 
   /// Opens another raster, warped to `grid` while it is read. Undeclared voids outside of `range` are left out. Throws
   /// InputError when it cannot be read, has no coordinate system, does not overlap the grid, or when its datum may lie

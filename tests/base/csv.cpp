@@ -64,6 +64,13 @@ TEST_CASE("a table reads the same with any separator, byte order mark and line e
   CHECK(cells_of("sep=;\nmukey;name;sand\n464399;Example, complex;40;\n464401;Water;NA;\n") == plain);
 }
 
+TEST_CASE("a comma between semicolons is a decimal sign, unless a number of the table has a point") {
+  CHECK(cells_of("a;b\n1,5;-2,5e3\nx,y;7\n") == Cells{{"a", "b"}, {"1.5", "-2.5e3"}, {"x,y", "7"}});
+  CHECK(cells_of("a;b\n1,500;2.5\n") == Cells{{"a", "b"}, {"1,500", "2.5"}});
+  CHECK(cells_of("a;b\n1,500,000;2\n") == Cells{{"a", "b"}, {"1,500,000", "2"}});
+  CHECK(cells_of("a\tb\n1,5\t2\n") == Cells{{"a", "b"}, {"1,5", "2"}});
+}
+
 TEST_CASE("a table that cannot be read is refused with the line") {
   CHECK(contains(refusal("a,b\n1,\"2\n3,4\n"), "table.csv: line 2: a quote begins and does not end"));
   CHECK(contains(refusal("a,b\n1,\"2\"3\n"), "line 2: text follows a quote"));
@@ -74,8 +81,9 @@ TEST_CASE("a table that cannot be read is refused with the line") {
 }
 
 TEST_CASE("cells that are written as a record are read back") {
-  const std::vector<std::string> cells = {"plain", "with, comma", "with \"quotes\"", "two\nlines", ""};
-  CHECK(cells_of("a,b,c,d,e\n" + csv_row(cells) + "\n")[1] == cells);
+  const std::vector<std::string> cells = {"# number",   "plain",    "with, comma", "with \"quotes\"",
+                                          "two\nlines", " blanks ", "a;b",         ""};
+  CHECK(cells_of("a,b,c,d,e,f,g,h\n" + csv_row(cells) + "\n")[1] == cells);
 }
 
 TEST_CASE("a cell without a value is told from a number") {

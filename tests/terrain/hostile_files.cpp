@@ -17,10 +17,12 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/terrain/raster_maker.h"
+#include "tests/terrain/vector_maker.h"
 
 using namespace gonogo;
 using namespace gonogo::terrain;
 using test::make_raster;
+using test::make_squares;
 namespace fs = std::filesystem;
 
 namespace {
@@ -29,33 +31,6 @@ namespace {
 MapGrid grid_of_test(const TemporaryFolder& folder) {
   make_raster(folder / "grid.tif", {.columns = 40, .rows = 40});
   return RasterSource::open_as_it_lies(folder / "grid.tif").grid();
-}
-
-/// Squares of 8 m, one in each cell of the diagonal.
-void make_squares(const fs::path& file, const char* format, int count = 40) {
-  GDALAllRegister();
-  GDALDataset* out =
-      GetGDALDriverManager()->GetDriverByName(format)->Create(file.c_str(), 0, 0, 0, GDT_Unknown, nullptr);
-  REQUIRE(out != nullptr);
-  OGRSpatialReference crs;
-  crs.importFromEPSG(32610);
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  OGRLayer* layer = out->CreateLayer("squares", &crs, wkbPolygon, nullptr);
-  OGRFieldDefn width("width", OFTReal);
-  layer->CreateField(&width);
-  for (int i = 0; i < count; ++i) {
-    OGRLinearRing ring;
-    const double x = 500001 + 10 * i, y = 4399999 - 10 * i;
-    for (const auto& [dx, dy] : {std::pair{0, 0}, {8, 0}, {8, -8}, {0, -8}, {0, 0}}) ring.addPoint(x + dx, y + dy);
-    OGRPolygon square;
-    square.addRing(&ring);
-    OGRFeature* feature = OGRFeature::CreateFeature(layer->GetLayerDefn());
-    feature->SetField("width", 1.0 + i);
-    feature->SetGeometry(&square);
-    REQUIRE(layer->CreateFeature(feature) == OGRERR_NONE);
-    OGRFeature::DestroyFeature(feature);
-  }
-  GDALClose(out);
 }
 
 void cut(const fs::path& file, double share) {

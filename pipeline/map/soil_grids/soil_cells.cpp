@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <regex>
 
 #include "base/error.h"
@@ -251,6 +252,7 @@ std::unordered_map<std::int64_t, std::vector<double>> read_table(const SoilFolde
   std::vector<CsvLine> lines = read_csv_lines(folder.table, "map units");
   const std::vector<std::string> header = lines.front().cell;
   lines.erase(lines.begin());
+  if (lines.empty()) throw InputError(folder.table.string() + ": holds a header and no map units");
   const auto place_of = [&](const std::string& name) {
     const auto at = std::find(header.begin(), header.end(), name);
     if (at == header.end())
@@ -261,9 +263,10 @@ std::unordered_map<std::int64_t, std::vector<double>> read_table(const SoilFolde
   std::unordered_map<std::int64_t, std::vector<double>> rows;
   for (const CsvLine& line : lines) {
     const std::string where = folder.table.string() + ": line " + std::to_string(line.number);
-    std::vector<std::string> cells = line.cell;
-    if (cells.size() > header.size()) throw InputError(where + ": has more cells than the header");
-    cells.resize(header.size());
+    const std::vector<std::string>& cells = line.cell;
+    if (cells.size() != header.size())
+      throw InputError(where + ": has " + std::to_string(cells.size()) + " cells, and the header " +
+                       std::to_string(header.size()) + "; the table is damaged or incomplete, write it again");
     const double unit = number_in(cells[key], where + ": mukey");
     if (!(unit >= 0)) throw InputError(where + ": mukey: is missing; every row needs its map unit");
     std::vector<double>& row = rows[std::int64_t(unit)];
@@ -317,15 +320,21 @@ std::optional<TextureShares> shares_of(const Means& of, double error, SoilFindin
                        .clay_error = of.error(SoilProperty::clay, error)};
 }
 
+/// Negative counts are voids. Counts above a property's largest value may be in another unit, and are refused.
+const terrain::ValueRange kNoNegative{0, std::numeric_limits<double>::infinity(), "content of a soil"};
+
 }  // namespace
 
 SoilCells::SoilCells(const SoilFolder& folder, double error, std::optional<SoilProperty> water)
     : folder_(folder), error_(error), water_(water) {
-  for (const SoilLayer& layer : folder.layers)
-    sources_.push_back(sources_.empty() ? RasterSource::open_as_it_lies(layer.files)
-                                        : RasterSource::open_on_grid(
-                                              layer.files, grid(),
-                                              layer.column.empty() ? RasterKind::continuous : RasterKind::classes));
+  for (const SoilLayer& layer : folder.layers) {
+    const bool is_classes = !layer.column.empty();
+    const auto range = is_classes ? std::nullopt : std::optional(kNoNegative);
+    sources_.push_back(
+        sources_.empty() ? RasterSource::open_as_it_lies(layer.files, range)
+                         : RasterSource::open_on_grid(
+                               layer.files, grid(), is_classes ? RasterKind::classes : RasterKind::continuous, range));
+  }
   if (!folder.table.empty()) row_of_ = read_table(folder);
 }
 

@@ -44,6 +44,20 @@ std::optional<Head> head_of(fs::path file, const char* extension) {
   return head;
 }
 
+/// Rows of a .dbf that are marked as deleted, which readers pass over: their first byte is '*' (dBASE III).
+GIntBig deleted_rows(fs::path dbf) {
+  std::ifstream in(dbf.replace_extension("dbf"), std::ios::binary);
+  std::array<char, 32> head{};
+  if (!in.read(head.data(), std::streamsize(head.size()))) return 0;
+  const std::uint32_t rows = little_endian(head.data() + 4, 4), begin = little_endian(head.data() + 8, 2),
+                      length = little_endian(head.data() + 10, 2);
+  std::vector<char> row(length);
+  GIntBig deleted = 0;
+  in.seekg(begin);
+  for (std::uint32_t r = 0; length > 0 && r < rows && in.read(row.data(), length); ++r) deleted += row[0] == '*';
+  return deleted;
+}
+
 /// Compares the files of a Shapefile with their headers (ESRI Shapefile Technical Description, 1998; dBASE III): GDAL
 /// reads a cut one up to the cut.
 void require_whole_shapefile(const fs::path& shp) {
@@ -82,6 +96,9 @@ bool is_area(const OGRGeometry& g) {
   return type == wkbPolygon || type == wkbMultiPolygon;
 }
 
+/// Angle of a chord in place of a curve [deg]: it lies 1e-5 radii inside.
+constexpr double kChord = 0.5;
+
 /// Lines and polygons that a shape consists of. Others, such as points, are handed on as they are.
 void add_parts(const OGRGeometry& shape, std::vector<Shape>& parts) {
   if (shape.IsEmpty()) return;
@@ -91,7 +108,7 @@ void add_parts(const OGRGeometry& shape, std::vector<Shape>& parts) {
   } else if (OGR_GT_IsSubClassOf(type, wkbPolyhedralSurface) || type == wkbTriangle) {
     parts.emplace_back(OGRGeometryFactory::forceToMultiPolygon(shape.clone()));
   } else {
-    parts.emplace_back(shape.getLinearGeometry());
+    parts.emplace_back(shape.getLinearGeometry(kChord));
   }
 }
 
@@ -100,8 +117,10 @@ class VectorFile {
   VectorFile(const fs::path& file, const MapGrid& grid) : file_(file), crs_(system_of(grid)), grid_(grid) {
     dataset_ = open_file(file, FileKind::vector);
     is_shapefile_ = EQUAL(dataset_->GetDriverName(), "ESRI Shapefile");
-    if (is_shapefile_ && fs::is_regular_file(file) && !EQUAL(file.extension().c_str(), ".zip"))
+    if (is_shapefile_ && fs::is_regular_file(file) && !EQUAL(file.extension().c_str(), ".zip")) {
       require_whole_shapefile(file);
+      deleted_ = deleted_rows(file);
+    }
   }
   /// Calls take(feature, parts) for every feature of the layers of this name, its lines and polygons in the grid's
   /// system; not for empty ones. No name: all layers. Throws InputError where there is no such layer, and where reading
@@ -147,7 +166,7 @@ class VectorFile {
     require_no_failure(call);
     // A GeoPackage counts its features in a table that other programs leave stale.
     const GIntBig told = EQUAL(dataset_->GetDriverName(), "GPKG") ? -1 : layer.GetFeatureCount(FALSE);
-    if (told > count)
+    if (told > count + deleted_)
       throw InputError(file_.string() + ": has " + std::to_string(told) + " features, and reading ended after " +
                        std::to_string(count) + "; the file is damaged or incomplete, fetch it again");
   }
@@ -162,6 +181,7 @@ class VectorFile {
   MapGrid grid_;
   DatasetHandle dataset_;
   bool is_shapefile_ = false;
+  GIntBig deleted_ = 0;  // rows of a Shapefile
 };
 
 }  // namespace
