@@ -97,16 +97,39 @@ def _require_even(places: NDArray[Any], axis: Any) -> None:
                                "a map needs equal ones: bring it to a regular grid with interp or rio.reproject")
 
 
+# Names of axes that rioxarray takes only with attributes of CF.
+_AXES = (("lon", "lat"), ("longitude", "latitude"), ("easting", "northing"), ("X", "Y"))
+
+
+def _with_axes(dem: Any) -> Any:
+    for x, y in _AXES:
+        if x in dem.dims and y in dem.dims:
+            return dem.rename({x: "x", y: "y"})
+    return dem
+
+
+def _is_placed(dem: Any) -> bool:
+    """Coordinates along both axes, or a transform beside them; without either, rioxarray counts cells of 1."""
+    along = dem.rio.x_dim in dem.coords and dem.rio.y_dim in dem.coords
+    return along or "GeoTransform" in getattr(dem.coords.get(dem.rio.grid_mapping), "attrs", {})
+
+
 def _of_xarray(dem: Any) -> _Ground:
     """What rioxarray knows of an array: its axes by name, and nodata, scale and offset unless they are applied."""
-    flat = dem.squeeze()
-    if flat.ndim == 2:
-        flat = flat.transpose(dem.rio.y_dim, dem.rio.x_dim)
-        for axis in (dem.rio.x_dim, dem.rio.y_dim):
+    if hasattr(dem, "data_vars"):
+        raise _core.InputError(f"dem: a Dataset of xarray; give one of its variables: {', '.join(str(name) for name in dem.data_vars)}")
+    flat = _with_axes(dem.squeeze())
+    if flat.ndim != 2:
+        raise _core.InputError(f"dem: an array of {flat.ndim} dimensions {flat.dims}; choose one of each but x and y with isel")
+    flat = flat.transpose(flat.rio.y_dim, flat.rio.x_dim)
+    for axis in flat.dims:
+        if axis in flat.coords:
             _require_even(flat[axis].values, axis)
     about = dem.attrs
-    return _Ground(flat.values, dem.rio.crs, dem.rio.transform(recalc=True), dem.rio.nodata,
-                   float(about.get("scale_factor", 1)), float(about.get("add_offset", 0)), str(about.get("units", "")))
+    unit = str(about.get("units", ""))
+    return _Ground(flat.values, flat.rio.crs, flat.rio.transform(recalc=True) if _is_placed(flat) else None, flat.rio.nodata,
+                   float(about.get("scale_factor", 1)), float(about.get("add_offset", 0)),
+                   "m" if unit.lower().startswith(("metre", "meter", "m ")) else unit)
 
 
 def _heights(ground: _Ground) -> tuple[NDArray[np.float32], tuple[float, ...]]:
@@ -114,6 +137,8 @@ def _heights(ground: _Ground) -> tuple[NDArray[np.float32], tuple[float, ...]]:
     masked = np.ma.asarray(ground.values)
     if masked.ndim != 2:
         raise _core.InputError(f"dem: an array of {masked.ndim} dimensions; [row, column] is needed")
+    if masked.size == 0:
+        raise _core.InputError(f"dem: an array of {masked.shape[0]} x {masked.shape[1]} cells; a map needs at least 3 x 3")
     if masked.dtype.kind not in "iuf":
         raise _core.InputError(f"dem: an array of {masked.dtype}; heights are whole or real numbers")
     missing = np.ma.getmaskarray(masked).copy()
@@ -121,7 +146,10 @@ def _heights(ground: _Ground) -> tuple[NDArray[np.float32], tuple[float, ...]]:
         missing |= masked.data == ground.nodata
     values = masked.data.astype(np.float64) * ground.scale + ground.offset
     values[missing] = np.nan
-    a, b, c, d, e, f = (float(x) for x in tuple(ground.transform)[:6])
+    numbers = tuple(ground.transform)
+    if len(numbers) < 6:
+        raise _core.InputError(f"dem: transform {numbers}: has {len(numbers)} numbers; six are needed, as rasterio gives them")
+    a, b, c, d, e, f = (float(x) for x in numbers[:6])
     if b != 0 or d != 0 or a == 0 or e == 0:
         raise _core.InputError(f"dem: transform {(a, b, c, d, e, f)}: its rows do not run west to east; straighten it "
                                "with rasterio.warp.reproject")
@@ -144,8 +172,8 @@ def _elevation_file(dem: Any, crs: Any, transform: Any, folder: Path) -> str:
         ground = _of_xarray(dem)
     else:
         ground = _Ground(dem, crs, transform)
-    if ground.crs is None and crs is not None:
-        ground = ground._replace(crs=crs)
+    ground = ground._replace(crs=crs if ground.crs is None else ground.crs,
+                             transform=transform if ground.transform is None else ground.transform)
     if ground.crs is None or ground.transform is None:
         raise _core.InputError("dem: an array needs crs= and transform=, as rasterio gives them")
     values, north_up = _heights(ground)

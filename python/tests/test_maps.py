@@ -9,6 +9,7 @@ import pytest
 import rasterio
 import rasterio.vrt
 import rioxarray
+import xarray
 
 import gonogo
 
@@ -122,6 +123,35 @@ def test_the_same_ground_handed_over_in_any_way_makes_the_same_map(hill, tmp_pat
         assert np.array_equal(other["p_go"], wanted, equal_nan=True), name
     with pytest.raises(gonogo.InputError, match="rows do not run west to east"):
         gonogo.map(hill, **given, out=tmp_path / "turned", crs="EPSG:32610", transform=(10, 1, 0, 1, -10, 0))
+
+
+def test_an_array_that_is_no_ground_is_refused_and_names_of_axes_are_found(hill, tmp_path):
+    given = dict(model="hmmwv", soil="sand", moisture="dry")
+    place = dict(crs="EPSG:32610", transform=TRANSFORM)
+    x, y = (TRANSFORM[2] + CELL * (np.arange(COLUMNS) + 0.5), TRANSFORM[5] - CELL * (np.arange(ROWS) + 0.5))
+    array = xarray.DataArray(hill, dims=("y", "x"), coords={"y": y, "x": x}).rio.write_crs("EPSG:32610")
+    uneven = array.assign_coords(x=np.where(np.arange(COLUMNS) > 20, x + 50, x))
+    for words, dem, way in (
+            ("complex64", hill.astype("complex64"), place), ("whole or real numbers", hill > 100, place),
+            ("0 x 40 cells", hill[:0], place), ("six are needed", hill, dict(crs="EPSG:32610", transform=(1, 2, 3))),
+            ("equal ones", uneven, {}), ("needs crs= and transform=", array.drop_vars(["x", "y"]), {}),
+            ("a Dataset of xarray", array.to_dataset(name="z"), {}),
+            ("choose one of each", xarray.concat([array, array], "time"), {})):
+        with pytest.raises(gonogo.InputError, match=words):
+            gonogo.map(dem, **given, **way, out=tmp_path / "refused")
+    wanted = gonogo.map(hill, **given, **place, out=tmp_path / "plain")["p_go"]
+    ways = {"named": (array.rename(x="easting", y="northing").transpose("easting", "northing"), {}),
+            "placed by hand": (array.drop_vars(["x", "y"]), dict(transform=TRANSFORM)),
+            "without system": (array.drop_vars("spatial_ref"), dict(crs="EPSG:32610"))}
+    for name, (dem, way) in ways.items():
+        assert np.array_equal(gonogo.map(dem, **given, **way, out=tmp_path / name)["p_go"], wanted, equal_nan=True), name
+    file = dict(driver="GTiff", height=ROWS, width=COLUMNS, dtype="float32", crs="EPSG:32610", transform=rasterio.Affine(*TRANSFORM))
+    with rasterio.open(tmp_path / "open.tif", "w+", count=1, **file) as raster:
+        raster.write(hill, 1)
+        assert np.array_equal(gonogo.map(raster, **given, out=tmp_path / "open")["p_go"], wanted, equal_nan=True)
+    with rasterio.MemoryFile() as memory, memory.open(count=3, **file) as picture:
+        with pytest.raises(gonogo.InputError, match="3 bands"):
+            gonogo.map(picture, **given, out=tmp_path / "picture")
 
 
 def test_a_written_raster_reads_back(made, hill):

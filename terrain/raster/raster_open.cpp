@@ -164,7 +164,11 @@ OpenRaster open_raster(const RasterFiles& files) {
 }
 
 const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& name) {
+  const GdalCall call;
   const OGRSpatialReference* crs = dataset.GetSpatialRef();
+  if (call.failed())
+    throw InputError(name + ": its coordinate system cannot be read (" + call.message() +
+                     "); the file is damaged, fetch it again");
   if (!crs || crs->IsEmpty())
     throw InputError(name +
                      ": names no coordinate system; find out which one it is in, and write it in with: gdal_translate "

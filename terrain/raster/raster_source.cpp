@@ -145,6 +145,7 @@ RasterSource RasterSource::open_heights(const RasterFiles& files, const GridWish
 }
 
 RasterSource RasterSource::open(const RasterFiles& files, const GridWish& wish, const HeightWish* heights) {
+  const GdalCall quiet;
   auto state = std::make_unique<State>();
   state->raster = open_raster(files);
   GDALDataset& dataset = *state->raster.dataset;
@@ -188,6 +189,7 @@ RasterSource RasterSource::open(const RasterFiles& files, const GridWish& wish, 
 }
 
 RasterSource RasterSource::open_as_it_lies(const RasterFiles& files, const std::optional<ValueRange>& range) {
+  const GdalCall quiet;
   auto state = std::make_unique<State>();
   state->raster = open_raster(files);
   GDALDataset& dataset = *state->raster.dataset;
@@ -207,6 +209,7 @@ RasterSource RasterSource::open_as_it_lies(const RasterFiles& files, const std::
 
 RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind,
                                         const std::optional<ValueRange>& range) {
+  const GdalCall quiet;
   const OpenRaster original = open_raster(files);
   GDALDataset& dataset = *original.dataset;
   require_one_value(dataset, original.name);
@@ -248,6 +251,7 @@ Tile RasterSource::read_flat(Window window) const {
 }
 
 std::vector<std::string> class_names(const RasterFiles& files) {
+  const GdalCall quiet;
   const OpenRaster raster = open_raster(files);
   std::vector<std::string> names;
   char** list = raster.dataset->GetRasterBand(1)->GetCategoryNames();
@@ -256,6 +260,7 @@ std::vector<std::string> class_names(const RasterFiles& files) {
 }
 
 std::vector<fs::path> files_behind(const RasterFiles& files) {
+  const GdalCall quiet;
   std::vector<fs::path> list;
   for (const fs::path& file : files.file) {
     const OpenRaster raster = open_raster(file);

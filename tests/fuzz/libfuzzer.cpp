@@ -1,5 +1,5 @@
-// Entry of libFuzzer: the reader that GONOGO_READER names, or raster_geotiff, reads the bytes as its file. A finding is
-// a crash, a hang, or an exception that is no InputError. "-seed_file" in place of bytes: see scripts/fuzz.sh.
+// Entry of libFuzzer: the reader that GONOGO_READER names, or the first, reads the bytes as its file. A finding is
+// a crash, a hang, or an exception that is no InputError. GONOGO_SEED_FILE takes the whole file. See scripts/fuzz.sh.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -11,13 +11,18 @@
 
 namespace {
 
+const gonogo::fuzz::Reader& chosen_reader() {
+  const char* name = std::getenv("GONOGO_READER");
+  for (const gonogo::fuzz::Reader& reader : gonogo::fuzz::file_readers())
+    if (!name || reader.name == name) return reader;
+  throw gonogo::InputError(std::string(name) + ": no reader has this name");
+}
+
 struct Target {
-  const gonogo::fuzz::Reader& reader;
+  const gonogo::fuzz::Reader& reader = chosen_reader();
   gonogo::TemporaryFolder folder;
 
-  Target()
-      : reader(gonogo::fuzz::reader_named(std::getenv("GONOGO_READER") ? std::getenv("GONOGO_READER")
-                                                                       : "raster_geotiff")) {
+  Target() {
     reader.make(folder.path());
     if (const char* seed = std::getenv("GONOGO_SEED_FILE"))
       gonogo::write_file_atomically(seed, gonogo::read_file(folder / reader.damaged));

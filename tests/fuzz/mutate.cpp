@@ -53,10 +53,17 @@ Mutation mutated(const std::string& whole, std::uint64_t number) {
   }
   for (std::size_t faults = 1 + below(random, 4); faults > 0 && !m.bytes.empty(); --faults) {
     switch (below(random, 4)) {
-      case 0: m.bytes[below(random, m.bytes.size())] ^= char(1 << below(random, 8)); break;
-      case 1: put_number(m.bytes, random); break;
-      case 2: change_block(m.bytes, random); break;
-      default: change_sign(m.bytes, random);
+      case 0:
+        m.bytes[below(random, m.bytes.size())] ^= char(1 << below(random, 8));
+        break;
+      case 1:
+        put_number(m.bytes, random);
+        break;
+      case 2:
+        change_block(m.bytes, random);
+        break;
+      default:
+        change_sign(m.bytes, random);
     }
   }
   return m;

@@ -1,6 +1,7 @@
 // Damages the file of every reader many times and reads it: each time it is refused in a sentence or read. Nothing may
-// crash, take longer than 10 s or more than 4 GiB, and a file whose end is missing reads as the whole one or not at all.
-//   mutations [--count N] [--reader NAME] [--from N]
+// crash, take longer than 10 s or more than 4 GiB, and a file whose end is missing reads as the whole one or not at
+// all.
+//   mutations [--count N] [--reader NAME] [--from N]     mutations --list yes: the readers' names
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -69,8 +70,8 @@ bool check(const Reader& reader, std::uint64_t from, std::uint64_t count) {
   const TemporaryFolder folder;
   reader.make(folder.path());
   const std::string whole = read_file(folder / reader.damaged), right = reader.read(folder / reader.opened);
-  auto& tally = *static_cast<Tally*>(
-      mmap(nullptr, sizeof(Tally), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+  auto& tally =
+      *static_cast<Tally*>(mmap(nullptr, sizeof(Tally), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   new (&tally) Tally{.next = from};
   int crashes = 0, hangs = 0;
   while (tally.next < from + count) {
@@ -109,14 +110,20 @@ int run(int argc, char** argv) {
     if (option == "--count") count = std::strtoull(argv[i + 1], nullptr, 10);
     if (option == "--from") from = std::strtoull(argv[i + 1], nullptr, 10);
     if (option == "--reader") only = argv[i + 1];
+    if (option == "--list") {
+      for (const Reader& reader : readers()) std::puts(reader.name.c_str());
+      return 0;
+    }
   }
-  if (!only.empty()) reader_named(only);
   std::printf("%-22s %8s %8s %8s %8s %8s %8s %8s\n", "reader", "files", "refused", "same", "other", "cut", "crash",
               "hang");
-  bool clean = true;
+  bool clean = true, found = false;
   for (const Reader& reader : readers())
-    if (only.empty() || only == reader.name) clean = check(reader, from, count) && clean;
-  return clean ? 0 : 1;
+    if (only.empty() || only == reader.name) {
+      found = true;
+      clean = check(reader, from, count) && clean;
+    }
+  return found && clean ? 0 : 1;
 }
 
 }  // namespace

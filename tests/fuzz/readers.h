@@ -17,9 +17,10 @@ struct Reader {
   bool ends_anywhere = false;  // a file cut at the end of a line is a whole one
 };
 
-const std::vector<Reader>& readers();
+/// Of rasters, shapes and tables.
+const std::vector<Reader>& file_readers();
 
-/// Throws InputError for a name that no reader has.
-const Reader& reader_named(const std::string& name);
+/// These, and those of files in formats of this project.
+const std::vector<Reader>& readers();
 
 }  // namespace gonogo::fuzz

@@ -54,7 +54,8 @@ std::string vrt_of(const std::string& source) {
 
 std::string ers_of(const std::string& data) {
   return "DatasetHeader Begin\n Version = \"6.0\"\n DataFile = \"" + data +
-         "\"\n DataType = Raster\n ByteOrder = LSBFirst\n RasterInfo Begin\n  CellType = IEEE4ByteReal\n  NrOfLines = 6\n  "
+         "\"\n DataType = Raster\n ByteOrder = LSBFirst\n RasterInfo Begin\n  CellType = IEEE4ByteReal\n  NrOfLines = "
+         "6\n  "
          "NrOfCellsPerLine = 8\n  NrOfBands = 1\n RasterInfo End\nDatasetHeader End\n";
 }
 
@@ -66,15 +67,18 @@ std::string pds_of(const std::string& image) {
 
 std::string isis_of(const std::string& core) {
   return "Object = IsisCube\n  Object = Core\n    StartByte = 1\n    ^Core = " + core +
-         "\n    Format = BandSequential\n    Group = Dimensions\n      Samples = 8\n      Lines = 6\n      Bands = 1\n    "
-         "End_Group\n    Group = Pixels\n      Type = Real\n      ByteOrder = Lsb\n      Base = 0.0\n      Multiplier = "
+         "\n    Format = BandSequential\n    Group = Dimensions\n      Samples = 8\n      Lines = 6\n      Bands = 1\n "
+         "   "
+         "End_Group\n    Group = Pixels\n      Type = Real\n      ByteOrder = Lsb\n      Base = 0.0\n      Multiplier "
+         "= "
          "1.0\n    End_Group\n  End_Object\nEnd_Object\nEnd\n";
 }
 
 std::string wms_of(const std::string& host) {
   return "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>http://" + host +
          "/${z}/${x}/${y}.png</ServerUrl></Service><DataWindow><UpperLeftX>500000</UpperLeftX><UpperLeftY>4400000"
-         "</UpperLeftY><LowerRightX>500080</LowerRightX><LowerRightY>4399940</LowerRightY><SizeX>8</SizeX><SizeY>6</SizeY>"
+         "</UpperLeftY><LowerRightX>500080</LowerRightX><LowerRightY>4399940</LowerRightY><SizeX>8</SizeX><SizeY>6</"
+         "SizeY>"
          "</DataWindow><Projection>EPSG:32610</Projection><BandsCount>1</BandsCount></GDAL_WMS>";
 }
 
@@ -110,7 +114,9 @@ TEST_CASE("no raster that names a host, a database or another file's bytes sends
   CHECK(sentence_of_raster(folder / "plain.asc").empty());
   write_file_atomically(folder / "secret.bin", std::string(4000, 'x'));
   const std::string secret = folder / "secret.bin";
-  const auto put = [&](const std::string& name, const std::string& text) { write_file_atomically(folder / name, text); };
+  const auto put = [&](const std::string& name, const std::string& text) {
+    write_file_atomically(folder / name, text);
+  };
   put("url.vrt", vrt_of("/vsicurl/" + url));
   put("streaming.vrt", vrt_of("/vsicurl_streaming/" + url));
   put("cloud.vrt", vrt_of("/vsis3/bucket/a.tif"));
@@ -131,7 +137,8 @@ TEST_CASE("no raster that names a host, a database or another file's bytes sends
   put("to_passwd.lbl", pds_of("/etc/passwd"));
   put("to_url.cub", isis_of("/vsicurl/" + url));
   put("to_passwd.cub", isis_of("/etc/passwd"));
-  put("wcs.xml", "<WCS_GDAL><ServiceURL>http://" + listener.host() + "/wcs?</ServiceURL><CoverageName>a</CoverageName></WCS_GDAL>");
+  put("wcs.xml", "<WCS_GDAL><ServiceURL>http://" + listener.host() +
+                     "/wcs?</ServiceURL><CoverageName>a</CoverageName></WCS_GDAL>");
   put("tile.json", R"({"tiles": ["http://)" + listener.host() + R"(/{z}/{x}/{y}.png"], "minzoom": 0, "maxzoom": 1})");
   for (const auto& entry : fs::directory_iterator(folder.path())) {
     const std::string kind = entry.path().extension();
@@ -150,8 +157,9 @@ TEST_CASE("what lies beside a raster calls nobody") {
   const TemporaryFolder folder;
   const Listener listener;
   write_grid(folder, "a");
-  write_file_atomically(folder / "a.asc.aux.xml", "<PAMDataset><Metadata domain=\"OVERVIEWS\"><MDI key=\"OVERVIEW_FILE\">/vsicurl/http://" +
-                                                      listener.host() + "/a.ovr</MDI></Metadata></PAMDataset>");
+  write_file_atomically(folder / "a.asc.aux.xml",
+                        "<PAMDataset><Metadata domain=\"OVERVIEWS\"><MDI key=\"OVERVIEW_FILE\">/vsicurl/http://" +
+                            listener.host() + "/a.ovr</MDI></Metadata></PAMDataset>");
   CHECK(contains(sentence_of_raster(folder / "a.asc"), "--allow-network"));
   CHECK_FALSE(listener.was_called());
 }
@@ -163,10 +171,13 @@ TEST_CASE("no vector file that names a host or a database sends a request") {
   const MapGrid grid = RasterSource::open_as_it_lies(folder / "grid.asc").grid();
   const std::string host = "http://" + listener.host();
   const std::string square = "-123.0000,39.7490 -122.9995,39.7490 -122.9995,39.7485 -123.0000,39.7490";
-  const auto put = [&](const std::string& name, const std::string& text) { write_file_atomically(folder / name, text); };
-  put("link.geojson", R"({"type":"FeatureCollection","crs":{"type":"link","properties":{"href":")" + host +
-                          R"(/crs"}},"features":[{"type":"Feature","properties":{},"geometry":{"type":"Polygon",)"
-                          R"("coordinates":[[[500001,4399999],[500009,4399999],[500009,4399991],[500001,4399999]]]}}]})");
+  const auto put = [&](const std::string& name, const std::string& text) {
+    write_file_atomically(folder / name, text);
+  };
+  put("link.geojson",
+      R"({"type":"FeatureCollection","crs":{"type":"link","properties":{"href":")" + host +
+          R"(/crs"}},"features":[{"type":"Feature","properties":{},"geometry":{"type":"Polygon",)"
+          R"("coordinates":[[[500001,4399999],[500009,4399999],[500009,4399991],[500001,4399999]]]}}]})");
   put("wfs.xml", "<OGRWFSDataSource><URL>" + host + "/wfs</URL></OGRWFSDataSource>");
   put("url.vrt", "<OGRVRTDataSource><OGRVRTLayer name=\"a\"><SrcDataSource>/vsicurl/" + host +
                      "/a.geojson</SrcDataSource></OGRVRTLayer></OGRVRTDataSource>");
@@ -178,14 +189,16 @@ TEST_CASE("no vector file that names a host or a database sends a request") {
                       "/a.png</href></Icon></IconStyle></Style><Placemark><styleUrl>" + host +
                       "/s.kml#s</styleUrl><Polygon><outerBoundaryIs><LinearRing><coordinates>" + square +
                       "</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></Document></kml>");
-  put("schema.gml", R"(<?xml version="1.0"?><!DOCTYPE a [<!ENTITY e SYSTEM ")" + host +
-                        R"(/entity">]><ogr:FeatureCollection xmlns:ogr="http://ogr.maptools.org/" )"
-                        R"(xmlns:gml="http://www.opengis.net/gml" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" )"
-                        R"(xmlns:xlink="http://www.w3.org/1999/xlink" xsi:schemaLocation="http://ogr.maptools.org/ )" +
-                        host + R"(/a.xsd"><gml:featureMember><ogr:a><ogr:geometryProperty xlink:href=")" + host +
-                        R"(/g.gml#g"/><ogr:name>&e;</ogr:name></ogr:a></gml:featureMember></ogr:FeatureCollection>)");
-  put("gpx.gpx", R"(<?xml version="1.0"?><!DOCTYPE gpx SYSTEM ")" + host +
-                     R"(/gpx.dtd"><gpx version="1.1"><trk><trkseg><trkpt lat="39.7" lon="-123"/></trkseg></trk></gpx>)");
+  put("schema.gml",
+      R"(<?xml version="1.0"?><!DOCTYPE a [<!ENTITY e SYSTEM ")" + host +
+          R"(/entity">]><ogr:FeatureCollection xmlns:ogr="http://ogr.maptools.org/" )"
+          R"(xmlns:gml="http://www.opengis.net/gml" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" )"
+          R"(xmlns:xlink="http://www.w3.org/1999/xlink" xsi:schemaLocation="http://ogr.maptools.org/ )" +
+          host + R"(/a.xsd"><gml:featureMember><ogr:a><ogr:geometryProperty xlink:href=")" + host +
+          R"(/g.gml#g"/><ogr:name>&e;</ogr:name></ogr:a></gml:featureMember></ogr:FeatureCollection>)");
+  put("gpx.gpx",
+      R"(<?xml version="1.0"?><!DOCTYPE gpx SYSTEM ")" + host +
+          R"(/gpx.dtd"><gpx version="1.1"><trk><trkseg><trkpt lat="39.7" lon="-123"/></trkseg></trk></gpx>)");
   put("service.json", R"({"currentVersion":10.1,"serviceDescription":"","layers":[],"url":")" + host + R"("})");
   for (const auto& entry : fs::directory_iterator(folder.path())) {
     const std::string kind = entry.path().extension();

@@ -27,7 +27,8 @@ class Header {
     std::array<char, 4> magic{};
     read(magic.data(), 4);
     version_ = magic[3];
-    is_classic_ = magic[0] == 'C' && magic[1] == 'D' && magic[2] == 'F' && (version_ == 1 || version_ == 2 || version_ == 5);
+    is_classic_ =
+        magic[0] == 'C' && magic[1] == 'D' && magic[2] == 'F' && (version_ == 1 || version_ == 2 || version_ == 5);
   }
   bool is_classic() const { return is_classic_; }
 
@@ -163,8 +164,7 @@ void require_whole_netcdf(const std::filesystem::path& file) {
     Header header(in);
     if (!header.is_classic()) return;
     const std::uint64_t needed = header.size(), there = std::filesystem::file_size(file);
-    if (there < needed)
-      refuse_cut(file, there, needed);
+    if (there < needed) refuse_cut(file, there, needed);
   } catch (const Damaged&) {
     throw InputError(file.string() + ": its header is damaged or incomplete; fetch it again");
   }
