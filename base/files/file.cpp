@@ -1,15 +1,19 @@
 #include "base/files/file.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <utility>
 
 #include "base/error.h"
+#include "base/progress.h"
 
 namespace gonogo {
 
@@ -33,12 +37,39 @@ void flush_to_disk(const fs::path& path) {
 
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
+/// What another program writes into a pipe. Answers Ctrl-C, and waits at most a minute for the next bytes.
+std::string read_pipe(const fs::path& path) {
+  constexpr int step = 50, most = 60000;  // [ms]
+  const int fd = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) refuse(path, "cannot be read: " + reason());
+  const std::unique_ptr<const int, void (*)(const int*)> owner(&fd, [](const int* p) { ::close(*p); });
+  std::string text;
+  std::array<char, 65536> part{};
+  for (int waited = 0; waited < most; waited += step) {
+    stop_if_cancelled();
+    struct pollfd ready = {fd, POLLIN, 0};
+    if (::poll(&ready, 1, step) <= 0) continue;
+    const ssize_t n = ::read(fd, part.data(), part.size());
+    if (n == 0 && !text.empty()) return text;
+    if (n <= 0) {  // no writer yet
+      ::usleep(step * 1000);
+      continue;
+    }
+    text.append(part.data(), std::size_t(n));
+    waited = 0;
+  }
+  refuse(path, "is a pipe into which nobody wrote for a minute; give a file");
+}
+
 }  // namespace
 
 std::string read_file(const fs::path& path) {
   std::error_code ec;
   if (!fs::exists(path, ec)) refuse(path, "no such file; check the path");
   if (fs::is_directory(path, ec)) refuse(path, "is a folder, a file is needed");
+  if (fs::is_fifo(path, ec)) return read_pipe(path);
+  if (fs::is_character_file(path, ec) || fs::is_block_file(path, ec) || fs::is_socket(path, ec))
+    refuse(path, "is a device or socket, a file is needed");
   std::ifstream in(path, std::ios::binary);
   if (!in) refuse(path, "cannot be read: " + reason() + "; check its permissions");
   std::ostringstream text;

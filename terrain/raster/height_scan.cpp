@@ -197,39 +197,51 @@ class NodataDigits {
   std::optional<double> value_;
 };
 
-/// Cells that hold the largest whole number of the band's type, which nobody declared: often what a program writes
-/// where nothing was measured. It is one if no other value reaches three quarters of it.
-class LargestCode {
+/// Cells that hold -9999 or an end of the band's whole numbers, which nobody declared: what programs write where
+/// nothing was measured. A code is one if every other stored value lies more than a quarter of it away.
+class LonelyCodes {
  public:
-  explicit LargestCode(GDALRasterBand& band) {
+  explicit LonelyCodes(GDALRasterBand& band) {
+    const auto add = [&](double code) { codes_.push_back({float(code), 0, std::numeric_limits<double>::infinity()}); };
+    add(kVoidCode);
     switch (band.GetRasterDataType()) {
       case GDT_Byte:
-        code_ = 255;
-        break;
-      case GDT_Int16:
-        code_ = 32767;
+        add(255);
         break;
       case GDT_UInt16:
-        code_ = 65535;
+        add(65535);
+        break;
+      case GDT_Int16:
+        add(-32768), add(32767);
+        break;
+      case GDT_Int32:
+        add(-2147483648.0), add(2147483647.0);
         break;
       default:
-        return;
+        break;
     }
   }
   void count(float stored) {
-    if (stored == code_)
-      ++cells_;
-    else if (stored > most_)
-      most_ = stored;
+    for (Code& code : codes_) {
+      if (stored == code.value)
+        ++code.cells;
+      else
+        code.nearest = std::min(code.nearest, std::abs(double(stored) - code.value));
+    }
   }
-  std::optional<FoundVoid> found() const {
-    if (cells_ == 0 || 4 * most_ >= 3 * code_) return std::nullopt;
-    return FoundVoid{code_, cells_};
+  void add_to(std::vector<FoundVoid>& voids) const {
+    for (const Code& code : codes_)
+      if (code.cells > 0 && 4 * code.nearest > std::abs(code.value) && std::isfinite(code.nearest))
+        voids.push_back({code.value, code.cells});
   }
 
  private:
-  float code_ = std::numeric_limits<float>::infinity(), most_ = 0;
-  std::uint64_t cells_ = 0;
+  struct Code {
+    float value = 0;
+    std::uint64_t cells = 0;
+    double nearest = 0;  // to any other stored value
+  };
+  std::vector<Code> codes_;
 };
 
 /// The values that count as voids, and their cells; refused above three kinds.
@@ -421,7 +433,7 @@ std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& nam
   std::vector<float> row(static_cast<std::size_t>(window.columns));
   std::vector<unsigned char> valid(row.size());
   ImpossibleValues impossible;
-  LargestCode largest(band);
+  LonelyCodes lonely(band);
   for (int r = 0; r < window.rows; ++r) {
     if (r % 256 == 0) stop_if_cancelled();
     read_row(dataset, name, nodata, window.column, window.row + r, row, valid);
@@ -430,17 +442,17 @@ std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& nam
       if (value < range.low || value > range.high || nodata.is_near(stored))
         impossible.count(stored, value);
       else
-        largest.count(stored);
+        lonely.count(stored);
     }
   }
   if (impossible.are_too_many())
-    throw InputError(line("%s: holds values such as %.5g and %.5g, and a %s ", name.c_str(), impossible.lowest(),
-                          impossible.highest(), range.what.c_str()) +
-                     (std::isfinite(range.high) ? line("lies between %g and %g", range.low, range.high)
-                                                : line("is not below %g", range.low)) +
-                     "; check its unit and scale, and declare what is no value with gdal_edit.py -a_nodata");
+    throw InputError(
+        line("%s: holds values such as %.5g and %.5g, and ", name.c_str(), impossible.lowest(), impossible.highest()) +
+        (std::isfinite(range.high) ? line("a %s lies between %g and %g", range.what.c_str(), range.low, range.high)
+                                   : line("no %s is that low", range.what.c_str())) +
+        "; check its unit and scale, and declare what is no value with gdal_edit.py -a_nodata");
   std::vector<FoundVoid> voids = impossible.list();
-  if (const auto code = largest.found()) voids.push_back(*code);
+  lonely.add_to(voids);
   for (const FoundVoid& found : voids)
     remarks.push_back(
         line("%llu cells of %s hold %g, which is no %s; they count as without data. Declare it with "

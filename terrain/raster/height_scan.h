@@ -43,8 +43,8 @@ HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const H
                           const HeightWish& wish, std::vector<std::string>& remarks);
 
 /// The stored values in a window of the raster that its range does not allow, that are the declared nodata but for
-/// their last digits, or the largest whole number of the type far above all others, with a remark for each. Throws
-/// InputError when there are more than three kinds, and for a damaged file.
+/// their last digits, or -9999 or an end of the type's whole numbers far from all others, with a remark for each.
+/// Throws InputError when there are more than three kinds, and for a damaged file.
 std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& name, Window window,
                                     const ValueRange& range, std::vector<std::string>& remarks);
 

@@ -117,6 +117,19 @@ bool names_a_file(const std::string& word) {
   return std::any_of(words.begin(), words.end(), [&](const char* w) { return EQUAL(w, word.c_str()); });
 }
 
+/// Labels and headers (PDS, ISIS, ERS) may name any file as theirs, here or elsewhere.
+void check_folder(const fs::path& path, GDALDataset& dataset) {
+  const CPLStringList files(dataset.GetFileList());
+  std::error_code ec;
+  const fs::path folder =
+      fs::weakly_canonical(fs::is_directory(path, ec) ? path : fs::absolute(path).parent_path(), ec);
+  for (int i = 0; i < files.size(); ++i) {
+    if (is_in_archive(files[i])) continue;
+    const fs::path within = fs::weakly_canonical(fs::absolute(files[i]).parent_path(), ec).lexically_relative(folder);
+    if (within.empty() || *within.begin() == "..") refuse_source(path, files[i]);
+  }
+}
+
 void check_virtual_raster(const fs::path& vrt, int depth);
 
 void check_source(const fs::path& vrt, const CPLXMLNode& node, int depth) {
@@ -127,6 +140,9 @@ void check_source(const fs::path& vrt, const CPLXMLNode& node, int depth) {
   const char* format = is_file_or_folder(file) ? format_on_list(file.string(), FileKind::raster) : nullptr;
   if (!format) refuse_source(vrt, name);
   if (EQUAL(format, "VRT")) check_virtual_raster(file, depth + 1);
+  if (EQUAL(format, "VRT") || EQUAL(format, "GTiff")) return;
+  const DatasetHandle dataset(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, kRasterFormats));
+  if (dataset) check_folder(file, *dataset);
 }
 
 void check_nodes(const fs::path& vrt, const CPLXMLNode* node, int depth) {
@@ -191,19 +207,6 @@ GDALDriver* other_format(const fs::path& path, FileKind kind) {
                    (kind == FileKind::raster ? "a raster" : "lines or polygons") + " (" + reason +
                    "); give a format that " + (kind == FileKind::raster ? "gdalinfo" : "ogrinfo") +
                    " opens, for example " + example(kind));
-}
-
-/// Labels and headers (PDS, ISIS, ERS) may name any file as theirs, here or elsewhere.
-void check_folder(const fs::path& path, GDALDataset& dataset) {
-  const CPLStringList files(dataset.GetFileList());
-  std::error_code ec;
-  const fs::path folder =
-      fs::weakly_canonical(fs::is_directory(path, ec) ? path : fs::absolute(path).parent_path(), ec);
-  for (int i = 0; i < files.size(); ++i) {
-    if (is_in_archive(files[i])) continue;
-    const fs::path within = fs::weakly_canonical(fs::absolute(files[i]).parent_path(), ec).lexically_relative(folder);
-    if (within.empty() || *within.begin() == "..") refuse_source(path, files[i]);
-  }
 }
 
 /// A sidecar (.aux.xml) may name a file of overviews, which GDAL opens by any driver.

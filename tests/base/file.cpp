@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <thread>
 
@@ -145,6 +146,16 @@ TEST_CASE("reading says what is wrong with the path") {
   write_file_atomically(folder / "file", "");
   CHECK(contains(input_error([&] { create_folder(folder / "file"); }), "cannot create this folder"));
   CHECK(read_file(folder / "file").empty());
+}
+
+TEST_CASE("a pipe is read to its end, and a device is refused") {
+  const TemporaryFolder folder;
+  const std::string pipe = folder / "pipe.csv", content(200000, 'x');
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  std::thread writer([&] { std::ofstream(pipe) << content; });
+  CHECK(read_file(pipe) == content);
+  writer.join();
+  CHECK(contains(input_error([] { read_file("/dev/zero"); }), "is a device"));
 }
 
 }  // namespace

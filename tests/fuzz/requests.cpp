@@ -133,6 +133,9 @@ TEST_CASE("no raster that names a host, a database or another file's bytes sends
   put("to_vrt.ers", ers_of((folder / "raw.vrt").string()));
   put("to_database.ers", ers_of(pg));
   put("to_passwd.ers", ers_of("/etc/passwd"));
+  fs::create_directory(folder / "sources");
+  put("sources/to_passwd.ers", ers_of("/etc/passwd"));
+  put("to_label.vrt", vrt_of((folder / "sources/to_passwd.ers").string()));
   put("to_url.lbl", pds_of("/vsicurl/" + url));
   put("to_passwd.lbl", pds_of("/etc/passwd"));
   put("to_url.cub", isis_of("/vsicurl/" + url));
@@ -142,7 +145,7 @@ TEST_CASE("no raster that names a host, a database or another file's bytes sends
   put("tile.json", R"({"tiles": ["http://)" + listener.host() + R"(/{z}/{x}/{y}.png"], "minzoom": 0, "maxzoom": 1})");
   for (const auto& entry : fs::directory_iterator(folder.path())) {
     const std::string kind = entry.path().extension();
-    if (kind == ".bin" || kind == ".asc" || kind == ".prj") continue;
+    if (kind == ".bin" || kind == ".asc" || kind == ".prj" || entry.is_directory()) continue;
     INFO(entry.path());
     const auto start = std::chrono::steady_clock::now();
     const std::string sentence = sentence_of_raster(entry.path());

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -187,6 +188,62 @@ TEST_CASE("what an attribute raster cannot hold is left out and named") {
   make_raster(folder / "cone.tif", {.nodata = -3.4e38, .value = std::vector<float>(48, -3.4028235e38f)});
   const RasterSource digits = RasterSource::open_on_grid(folder / "cone.tif", grid, RasterKind::continuous, range);
   CHECK(std::isnan(digits.read({3, 3, 1, 1}).value[0]));
+}
+
+TEST_CASE("a code that scale or type make a possible value is left out where it lies far from all others") {
+  const TemporaryFolder folder;
+  make_raster(folder / "grid.tif", {});
+  const MapGrid grid = RasterSource::open_as_it_lies(folder / "grid.tif").grid();
+  const ValueRange range{0, 2000, "water content [%]"};
+  const auto missing = [&](const test::RasterRecipe& recipe) {
+    make_raster(folder / "water.tif", recipe);
+    const RasterSource source = RasterSource::open_on_grid(folder / "water.tif", grid, RasterKind::continuous, range);
+    const Tile tile = source.read({0, 0, 8, 6});
+    CHECK(source.remarks().size() == std::size_t(std::isnan(tile.value[0])));
+    return std::count_if(tile.value.begin(), tile.value.end(), [](float v) { return std::isnan(v); });
+  };
+  std::vector<float> value(48, 20.f);
+  std::fill_n(value.begin(), 16, 255.f);
+  CHECK(missing({.nodata = {}, .value = value, .type = GDT_Byte}) == 16);
+  value[47] = 230;  // the byte's end is a value among others
+  CHECK(missing({.nodata = {}, .value = value, .type = GDT_Byte}) == 0);
+  std::fill_n(value.begin(), 16, -9999.f);
+  CHECK(missing({.nodata = {}, .value = value, .scale = 0.01, .offset = 100}) == 16);
+}
+
+TEST_CASE("rows of a Shapefile that are marked as deleted are no damage") {
+  const TemporaryFolder folder;
+  const MapGrid grid = grid_of_test(folder);
+  make_squares(folder / "a.shp", "ESRI Shapefile");
+  GDALDataset* file =
+      GDALDataset::Open((folder / "a.shp").c_str(), GDAL_OF_VECTOR | GDAL_OF_UPDATE, nullptr, nullptr, nullptr);
+  for (const GIntBig id : {3, 17}) REQUIRE(file->GetLayer(0)->DeleteFeature(id) == OGRERR_NONE);
+  GDALClose(file);
+  CHECK(marked(cells_under(folder / "a.shp", grid)) == 38);
+}
+
+TEST_CASE("raw rasters and classic NetCDF that are cut off are refused") {
+  const TemporaryFolder folder;
+  struct Case {
+    const char *format, *file;
+  };
+  const auto [format, name] = GENERATE(Case{"ENVI", "a.dat"}, Case{"PCRaster", "a.map"}, Case{"netCDF", "a.nc"},
+                                       Case{"SAGA", "a.sdat"}, Case{"EHdr", "a.bil"});
+  INFO(format);
+  make_raster(folder / "a.tif", {.columns = 30, .rows = 30});
+  GDALDataset* source = GDALDataset::Open((folder / "a.tif").c_str());
+  GDALClose(GetGDALDriverManager()->GetDriverByName(format)->CreateCopy((folder / name).c_str(), source, FALSE, nullptr,
+                                                                        nullptr, nullptr));
+  GDALClose(source);
+  const auto opening = [&] {
+    return input_error([&] {
+      const RasterSource whole = RasterSource::open_elevation(folder / name);
+      whole.read({0, 0, 30, 30});
+    });
+  };
+  CHECK(opening().empty());
+  fs::resize_file(folder / name, fs::file_size(folder / name) - 40);
+  CHECK(contains(opening(), std::string(folder / name)));
 }
 
 TEST_CASE("a stored -9999 under a scale is a height where the ground goes on around it") {

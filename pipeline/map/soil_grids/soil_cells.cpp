@@ -320,8 +320,8 @@ std::optional<TextureShares> shares_of(const Means& of, double error, SoilFindin
                        .clay_error = of.error(SoilProperty::clay, error)};
 }
 
-/// Negative counts are voids. Counts above a property's largest value may be in another unit, and are refused.
-const terrain::ValueRange kNoNegative{0, std::numeric_limits<double>::infinity(), "content of a soil"};
+/// Counts below it are codes of voids. Others that a property cannot have may be in another unit, and are refused.
+const terrain::ValueRange kNoCode{-900, std::numeric_limits<double>::infinity(), "content of a soil"};
 
 }  // namespace
 
@@ -329,7 +329,7 @@ SoilCells::SoilCells(const SoilFolder& folder, double error, std::optional<SoilP
     : folder_(folder), error_(error), water_(water) {
   for (const SoilLayer& layer : folder.layers) {
     const bool is_classes = !layer.column.empty();
-    const auto range = is_classes ? std::nullopt : std::optional(kNoNegative);
+    const auto range = is_classes ? std::nullopt : std::optional(kNoCode);
     sources_.push_back(
         sources_.empty() ? RasterSource::open_as_it_lies(layer.files, range)
                          : RasterSource::open_on_grid(

@@ -96,8 +96,8 @@ bool is_area(const OGRGeometry& g) {
   return type == wkbPolygon || type == wkbMultiPolygon;
 }
 
-/// Angle of a chord in place of a curve [deg]: it lies 1e-5 radii inside.
-constexpr double kChord = 0.5;
+/// Angle of a chord in place of a curve [deg]: it lies 4e-5 radii inside.
+constexpr double kChord = 1;
 
 /// Lines and polygons that a shape consists of. Others, such as points, are handed on as they are.
 void add_parts(const OGRGeometry& shape, std::vector<Shape>& parts) {
@@ -110,6 +110,15 @@ void add_parts(const OGRGeometry& shape, std::vector<Shape>& parts) {
   } else {
     parts.emplace_back(shape.getLinearGeometry(kChord));
   }
+}
+
+/// Whether its coordinates are numbers that a map can have: GDAL marks the cells of a line step by step, also far from
+/// the map, and would not come to an end.
+bool is_on_globe(const OGRGeometry& shape) {
+  constexpr double farthest = 1e8;  // [units]; the Earth is 4e7 m around
+  OGREnvelope box;
+  shape.getEnvelope(&box);
+  return box.MinX > -farthest && box.MaxX < farthest && box.MinY > -farthest && box.MaxY < farthest;
 }
 
 class VectorFile {
@@ -157,7 +166,7 @@ class VectorFile {
       std::vector<Shape> parts;
       if (const OGRGeometry* shape = feature->GetGeometryRef()) add_parts(*shape, parts);
       for (const Shape& part : parts)
-        if (turn && part->transform(turn.get()) != OGRERR_NONE)
+        if ((turn && part->transform(turn.get()) != OGRERR_NONE) || !is_on_globe(*part))
           throw InputError(file_.string() + ": feature " + std::to_string(feature->GetFID()) +
                            ": has no place in the map's coordinate system");
       if (!parts.empty()) take(*feature, std::move(parts));

@@ -12,7 +12,7 @@
 namespace gonogo::terrain {
 
 /// 1 for each cell that a polygon of the file touches, 0 elsewhere [cell]. Any vector format of open_file.h, in any
-/// coordinate system. Curves become chords of 0.5 degrees; collections, surfaces of triangles and of polygons become
+/// coordinate system. Curves become chords of 1 degree; collections, surfaces of triangles and of polygons become
 /// their parts. Throws InputError: no such file, no vector file, a damaged one, no coordinate system, other shapes than
 /// polygons, no polygon on the grid.
 std::vector<std::uint8_t> cells_under(const std::filesystem::path& file, const MapGrid& grid);
