@@ -73,7 +73,7 @@ Reader shapes(const std::string& name, const std::string& format, const std::str
           [format, opened, degrees](const fs::path& folder) {
             test::make_squares(folder / opened, format.c_str(), kSide, degrees);
           },
-          read_shapes};
+          read_shapes, format == "GeoJSONSeq"};
 }
 
 std::string read_table(const fs::path& file) {
