@@ -69,11 +69,14 @@ std::string read_shapes(const fs::path& file) {
 
 Reader shapes(const std::string& name, const std::string& format, const std::string& opened, const std::string& damaged,
               bool degrees = false) {
-  return {name, damaged, opened,
+  return {name,
+          damaged,
+          opened,
           [format, opened, degrees](const fs::path& folder) {
             test::make_squares(folder / opened, format.c_str(), kSide, degrees);
           },
-          read_shapes, format == "GeoJSONSeq"};
+          read_shapes,
+          format == "GeoJSONSeq"};
 }
 
 std::string read_table(const fs::path& file) {
