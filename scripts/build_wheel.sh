@@ -29,7 +29,7 @@ build_static() { # <name> <source folder> <options>...
   shift 2
   say "building $name"
   cmake -S "$source" -B "$work/$name" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF -DBUILD_TESTING=OFF -DBUILD_APPS=OFF \
-    -DCMAKE_POSITION_INDEPENDENT_CODE=ON "-DCMAKE_INSTALL_PREFIX=$prefix" "-DCMAKE_PREFIX_PATH=$prefix" "$@" > "$work/$name.log"
+    -DCMAKE_C_FLAGS=-fPIC -DCMAKE_CXX_FLAGS=-fPIC "-DCMAKE_INSTALL_PREFIX=$prefix" "-DCMAKE_PREFIX_PATH=$prefix" "$@" > "$work/$name.log"
   cmake --build "$work/$name" --target install -j "$(build_jobs)" >> "$work/$name.log" || { tail -30 "$work/$name.log"; fail "$name cannot be built"; }
 }
 
@@ -64,7 +64,8 @@ cat > "$work/data/fonts.conf" <<'END'
 </fontconfig>
 END
 "$venv/bin/pip" wheel . --quiet --no-deps -w "$work/raw" -C cmake.define.GONOGO_GDAL=ON -C cmake.define.GONOGO_PICTURES=ON \
-  -C "cmake.define.CMAKE_PREFIX_PATH=$prefix" -C "cmake.define.GONOGO_WHEEL_DATA=$(printf '%s;' "$work"/data/*)"
+  -C "cmake.define.CMAKE_PREFIX_PATH=$prefix" -C "cmake.define.CMAKE_CXX_STANDARD_LIBRARIES=$prefix/lib/libproj.a -lsqlite3 -lexpat" \
+  -C "cmake.define.GONOGO_WHEEL_DATA=$(printf '%s;' "$work"/data/*)"
 "$venv/bin/auditwheel" repair --strip -w "$out" "$work"/raw/gonogo-*.whl
 wheel=$(find "$out" -name 'gonogo-*.whl' -newer "$work/raw" | head -n 1)
 "$venv/bin/auditwheel" show "$wheel" | grep -A 2 'consistent'

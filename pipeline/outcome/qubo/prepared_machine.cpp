@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/format.h"
 #include "learning/encoding/layout.h"
 #include "learning/machine/free_units.h"
