@@ -66,7 +66,7 @@ END
 "$venv/bin/pip" wheel . --quiet --no-deps -w "$work/raw" -C cmake.define.GONOGO_GDAL=ON -C cmake.define.GONOGO_PICTURES=ON \
   -C "cmake.define.CMAKE_PREFIX_PATH=$prefix" -C "cmake.define.CMAKE_CXX_STANDARD_LIBRARIES=$prefix/lib/libproj.a -lsqlite3 -lexpat" \
   -C "cmake.define.GONOGO_WHEEL_DATA=$(printf '%s;' "$work"/data/*)"
-PATH=$venv/bin:$PATH "$venv/bin/auditwheel" repair --strip --plat "manylinux_$(getconf GNU_LIBC_VERSION | sed 's/.* //; s/\./_/')_$(uname -m)" -w "$work/repaired" "$work"/raw/gonogo-*.whl
+PATH=$venv/bin:$PATH "$venv/bin/auditwheel" repair --strip --only-plat --plat "manylinux_$(getconf GNU_LIBC_VERSION | sed 's/.* //; s/\./_/')_$(uname -m)" -w "$work/repaired" "$work"/raw/gonogo-*.whl
 
 # auditwheel expects X11 and expat on every machine; cairo and GDAL link them. A machine with Python alone has neither.
 "$venv/bin/python" -m wheel unpack "$work"/repaired/gonogo-*.whl -d "$work/unpacked"
