@@ -18,6 +18,7 @@ TrainingTable TrainingTable::subset(const std::vector<std::size_t>& rows) const 
     part.outcome.push_back(outcome[i]);
     part.weight.push_back(weight[i]);
     part.group.push_back(group[i]);
+    if (!margin.empty()) part.margin.push_back(margin[i]);
   }
   return part;
 }

@@ -16,6 +16,9 @@ struct TrainingTable {
   std::vector<std::size_t> outcome;  // [row_count()], index in the layout's outcomes
   std::vector<double> weight;        // [row_count()], > 0: prior / proposal density of the row
   std::vector<std::uint64_t> group;  // [row_count()]: rows of one group (replicates) stay in one fold
+  /// [row_count()], or empty where no row has one: a measure of how clearly a row has its outcome, NaN where unknown.
+  /// Only teachers see it.
+  std::vector<double> margin;
 
   std::size_t row_count() const { return outcome.size(); }
   std::span<const double> row(std::size_t i) const {

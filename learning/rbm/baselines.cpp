@@ -30,10 +30,14 @@ Standardisation standardisation_of(const TrainingTable& table) {
   return result;
 }
 
-double LogisticModel::operator()(std::span<const double> variables) const {
+double LogisticModel::log_odds(std::span<const double> variables) const {
   double sum = weight.back();
   for (std::size_t v = 0; v < variables.size(); ++v) sum += weight[v] * standardised(v, variables[v]);
-  return 1 / (1 + std::exp(-sum));
+  return sum;
+}
+
+double LogisticModel::operator()(std::span<const double> variables) const {
+  return 1 / (1 + std::exp(-log_odds(variables)));
 }
 
 namespace {

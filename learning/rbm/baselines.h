@@ -42,6 +42,7 @@ std::vector<double> out_of_fold(const TrainingTable& table, std::span<const int>
 struct LogisticModel : Standardisation {
   std::vector<double> weight;  // [variable count + 1], the constant last
   double operator()(std::span<const double> variables) const;
+  double log_odds(std::span<const double> variables) const;
 };
 
 /// Newton's method on the likelihood with the penalty `ridge`/2 |w|^2 [nat], without the constant. label: [row_count()]

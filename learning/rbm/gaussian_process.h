@@ -1,7 +1,9 @@
-// A Gaussian process classifier on LibTorch: baseline of every model and teacher of machines with few trials. Rasmussen
-// & Williams, "Gaussian Processes for Machine Learning" (2006), chapter 3; equations and algorithms below are theirs.
+// Gaussian processes on LibTorch: a classifier, baseline of every model and teacher of machines, and a regression.
+// Rasmussen & Williams, "Gaussian Processes for Machine Learning" (2006); equations and algorithms below are theirs.
 //
-//   P(1 | f) = sigmoid(f),  f ~ GP(0, k),  k(x, x') = s exp(-1/2 sum_v (z_v - z'_v)^2 / l_v^2),  z as in baselines.h
+//   P(1 | f) = sigmoid(f),  f ~ GP(m, k),  k(x, x') = s exp(-1/2 sum_v (z_v - z'_v)^2 / l_v^2),  z as in baselines.h
+//
+// The mean m is 0, or given at every row and point.
 //
 // The posterior of f at the rows is Laplace's approximation (algorithm 3.1); a row of weight w counts as w rows. P(1 |
 // x) is the mean of sigmoid over the posterior of f(x) (equation 3.25), by Gauss-Hermite quadrature. log l_v and log s
@@ -45,31 +47,63 @@ struct Latent {
 class GaussianProcessModel {
  public:
   /// Many points at once are much faster than one by one. points: [point count x variable count]; NaN counts as the
-  /// variable's mean. Throws nothing.
-  std::vector<double> probabilities(std::span<const double> points) const;
+  /// variable's mean; mean: m of every point, 0 where it is empty. Throws nothing.
+  std::vector<double> probabilities(std::span<const double> points, std::span<const double> mean = {}) const;
   /// sigmoid of the mean of f: the class probability at the most probable latent function (section 3.4.2). On few
   /// trials the mean of sigmoid(f) is too unsure, because Laplace's approximation is too wide.
-  std::vector<double> most_probable(std::span<const double> points) const;
-  std::vector<Latent> latent(std::span<const double> points) const;
+  std::vector<double> most_probable(std::span<const double> points, std::span<const double> mean = {}) const;
+  std::vector<Latent> latent(std::span<const double> points, std::span<const double> mean = {}) const;
   double operator()(std::span<const double> variables) const;
   const KernelLogs& logs() const { return logs_; }
 
  private:
   friend GaussianProcessModel fit_gaussian_process(const TrainingTable&, std::span<const int>,
-                                                   const GaussianProcessSettings&);
-  friend GaussianProcessModel gaussian_process_with(const TrainingTable&, std::span<const int>, const KernelLogs&);
+                                                   const GaussianProcessSettings&, std::span<const double>);
+  friend GaussianProcessModel gaussian_process_with(const TrainingTable&, std::span<const int>, const KernelLogs&,
+                                                    std::span<const double>);
   struct Rows;  // the training rows and the posterior there
   Standardisation scaling_;
   KernelLogs logs_;
   std::shared_ptr<const Rows> rows_;
 };
 
-/// Searches l_v and s and takes the posterior. label: [row_count()] of {0, 1}. Deterministic in the seed. Takes time
-/// proportional to the cube of the rows: 100 rows less than 0.1 s, 3,000 rows less than a minute.
+/// Searches l_v and s and takes the posterior. label: [row_count()] of {0, 1}; mean: m of every row, or empty.
+/// Deterministic in the seed. Takes time proportional to the cube of the rows: 100 rows less than 0.1 s, 3,000 rows
+/// less than a minute.
 GaussianProcessModel fit_gaussian_process(const TrainingTable& table, std::span<const int> label,
-                                          const GaussianProcessSettings& settings = {});
+                                          const GaussianProcessSettings& settings = {},
+                                          std::span<const double> mean = {});
 /// The posterior for given l_v and s.
 GaussianProcessModel gaussian_process_with(const TrainingTable& table, std::span<const int> label,
-                                           const KernelLogs& logs);
+                                           const KernelLogs& logs, std::span<const double> mean = {});
+
+/// Regression (chapter 2) of standardised targets t:
+///
+///   t = f(x) + e,  f ~ GP(0, k + c (1 + sum_v z_v z'_v)),  e ~ N(0, n / w),  w the weight of the row
+///
+/// The linear part goes on outside of few rows. log l_v, log s, log c and log n maximise the marginal likelihood
+/// (equation 2.30) plus the log of a normal prior around log(prior_length), 0, log(0.1) and log(0.1).
+class GaussianRegression {
+ public:
+  /// Expected target of many points. points: [point count x variable count]; NaN counts as the variable's mean.
+  std::vector<double> operator()(std::span<const double> points) const;
+  /// The same of every row by all other rows (equation 5.12).
+  const std::vector<double>& leave_one_out() const { return leave_one_out_; }
+  /// log l_v [variable], then log s, log c, log n.
+  const std::vector<double>& logs() const { return logs_; }
+
+ private:
+  friend GaussianRegression fit_gaussian_regression(const TrainingTable&, std::span<const double>,
+                                                    const GaussianProcessSettings&);
+  struct Rows;  // the training rows and their weights in f
+  Standardisation scaling_;
+  double mean_ = 0, scale_ = 1;  // of the targets
+  std::vector<double> logs_, leave_one_out_;
+  std::shared_ptr<const Rows> rows_;
+};
+
+/// target: [row_count()], finite. Deterministic in the seed.
+GaussianRegression fit_gaussian_regression(const TrainingTable& table, std::span<const double> target,
+                                           const GaussianProcessSettings& settings = {});
 
 }  // namespace gonogo::learning

@@ -121,7 +121,7 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
 
 namespace {
 
-constexpr std::size_t kManyUpdates = 7000, kFewUpdates = 2000;  // of the weights, by the number of trials
+constexpr std::size_t kManyUpdates = 7000, kFewUpdates = 4000;  // of the weights, by the number of trials
 
 /// Trials of a minibatch. Unless the study gives it, an epoch has at most 32 minibatches.
 std::size_t batch_size(const LearningSettings& settings, std::size_t trials) {
@@ -149,7 +149,7 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
   set("generative", training.generative, many ? 0.1 : is_taught ? 0.6 : 0.07);
   set("weight_decay", training.weight_decay, many ? 0.3 : 1.0);
   set("chains", training.chains, std::size_t(256));
-  if (many) set("learning_rate", training.learning_rate, 0.03);
+  set("learning_rate", training.learning_rate, 0.03);
   set("calibrate", settings.calibrate, many);
   set("sweeps", training.sweeps, std::size_t(1));
   set("final_learning_rate", training.final_learning_rate, 0.05);

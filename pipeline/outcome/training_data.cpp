@@ -46,6 +46,18 @@ void finish(TrainingData& data) {
 
 }  // namespace
 
+namespace {
+
+/// Mean speed over the commanded one, cut where it says no more of the outcome; NaN where a trial has none.
+double speed_share(const campaign::TrialRecord& record) {
+  constexpr double kLeast = -0.5, kMost = 1.5;
+  static const std::size_t commanded = campaign::contract().variable_index("commanded_speed");
+  const double share = campaign::measure_of(record, "mean_speed") / record.point.variables[commanded];
+  return std::isfinite(share) ? std::clamp(share, kLeast, kMost) : NAN;
+}
+
+}  // namespace
+
 std::vector<int> passable_outcomes() {
   std::vector<int> passable;
   for (const campaign::Outcome& outcome : campaign::contract().outcomes)
@@ -85,6 +97,7 @@ TrainingData make_training_data(const std::vector<campaign::TrialRecord>& record
     data.table.outcome.push_back(outcome);
     data.table.weight.push_back(1 / point.proposal_density);
     data.table.group.push_back(point.replicate_of >= 0 ? std::uint64_t(point.replicate_of) : point.index);
+    data.table.margin.push_back(speed_share(record));
   }
   if (data.table.row_count() == 0)
     throw InputError("dataset: none of its " + std::to_string(data.trials) +
@@ -93,6 +106,13 @@ TrainingData make_training_data(const std::vector<campaign::TrialRecord>& record
     if (const auto ranges = design->object_if("ranges")) extend_box(data, *ranges);
   finish(data);
   return data;
+}
+
+void widen_to_own_ranges(TrainingData& data, const campaign::Provenance& provenance, const std::string& where) {
+  if (provenance.study.empty()) return;
+  const Config study = Config::parse(provenance.study, where + ": study");
+  if (const auto design = study.object_if("design"))
+    if (const auto ranges = design->object_if("ranges")) extend_box(data, *ranges);
 }
 
 void temper_weights(TrainingData& data, double importance) {

@@ -6,13 +6,16 @@
 
 #include "learning/encoding/layout.h"
 #include "learning/training.h"
+#include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/setup/record.h"
 #include "pipeline/outcome/settings.h"
 
 namespace gonogo::outcome {
 
 struct TrainingData {
-  learning::TrainingTable table;           // valid trials; weight = prior / proposal, mean 1; a group holds replicates
+  /// Valid trials. Weight: prior / proposal, mean 1; a group holds replicates; margin: mean speed over the commanded
+  /// one.
+  learning::TrainingTable table;
   std::size_t trials = 0, failed = 0;      // number of all; of those that ended unknown, which are left out
   std::vector<double> failed_variables;    // [failed x variable count]
   std::vector<double> lower, upper;        // [variable count]: sampled box
@@ -23,6 +26,9 @@ struct TrainingData {
 /// what the trials span; "ranges" of the study's section `design` widen it. Throws InputError if no trial is valid or a
 /// proposal density is not positive.
 TrainingData make_training_data(const std::vector<campaign::TrialRecord>& records, const std::optional<Config>& design);
+
+/// Widens the box to the ranges of the study that the dataset holds: its trials were drawn from them.
+void widen_to_own_ranges(TrainingData& data, const campaign::Provenance& provenance, const std::string& where);
 
 /// Raises the weights to the power `importance` in [0, 1] and scales their mean to 1. With 1, forecasts fit the whole
 /// box, but regions with many trials count little. With 0, all trials count alike. That is better if the machine can

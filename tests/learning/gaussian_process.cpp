@@ -136,6 +136,118 @@ TEST_CASE("the posterior at fresh points agrees with dense algebra, its mean pro
   }
 }
 
+TEST_CASE("with a mean the mode of the latent function solves f = m + K d log p / df") {
+  TrainingTable table = small_table();
+  const KernelLogs logs = {0.2, 0.5, 1.5};
+  const std::vector<int> label = labels_of(table);
+  std::vector<double> mean;
+  for (std::size_t n = 0; n < table.row_count(); ++n) mean.push_back(1.5 * std::sin(double(n)) - 0.5);
+  const GaussianProcessModel model = gaussian_process_with(table, label, logs, mean);
+  const Standardisation scaling = standardisation_of(table);
+  const std::vector<Latent> f = model.latent(table.variables, mean);
+  const std::vector<double> mode = model.most_probable(table.variables, mean);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    double expected = mean[i];
+    for (std::size_t j = 0; j < f.size(); ++j) {
+      double square = 0;
+      for (std::size_t v = 0; v < 2; ++v) {
+        const double apart =
+            (scaling.standardised(v, table.row(i)[v]) - scaling.standardised(v, table.row(j)[v])) / std::exp(logs[v]);
+        square += apart * apart;
+      }
+      expected += std::exp(logs[2] - square / 2) * table.weight[j] * (label[j] - 1 / (1 + std::exp(-f[j].mean)));
+    }
+    CHECK(f[i].mean == Approx(expected).margin(1e-5));
+    CHECK(mode[i] == Approx(1 / (1 + std::exp(-f[i].mean))));
+  }
+}
+
+namespace {
+
+/// The regression's covariance of two standardised points, without noise.
+double trend_covariance(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const std::vector<double>& logs) {
+  const auto variables = std::size_t(a.size());
+  double square = 0;
+  for (std::size_t v = 0; v < variables; ++v)
+    square += std::pow((a[Eigen::Index(v)] - b[Eigen::Index(v)]) / std::exp(logs[v]), 2);
+  return std::exp(logs[variables] - square / 2) + std::exp(logs[variables + 1]) * (1 + a.dot(b));
+}
+
+/// The regression by dense algebra on rows that are standardised already.
+struct DenseRegression {
+  Eigen::MatrixXd Z;
+  Eigen::VectorXd t, weight;
+
+  Eigen::MatrixXd covariance(const std::vector<double>& logs) const {
+    Eigen::MatrixXd K(Z.rows(), Z.rows());
+    for (Eigen::Index i = 0; i < Z.rows(); ++i)
+      for (Eigen::Index j = 0; j < Z.rows(); ++j)
+        K(i, j) = trend_covariance(Z.row(i).transpose(), Z.row(j).transpose(), logs) +
+                  (i == j ? std::exp(logs.back()) / weight[i] + 1e-8 : 0);
+    return K;
+  }
+  /// Log of the marginal likelihood, times the prior of the search.
+  double evidence(const std::vector<double>& logs) const {
+    const Eigen::LLT<Eigen::MatrixXd> K(covariance(logs));
+    double value = -0.5 * t.dot(K.solve(t)) - Eigen::MatrixXd(K.matrixL()).diagonal().array().log().sum();
+    for (std::size_t k = 0; k < logs.size(); ++k) {
+      const double centre = k + 3 < logs.size() ? std::log(3.0) : k + 3 == logs.size() ? 0 : std::log(0.1);
+      value -= 0.5 * std::pow((logs[k] - centre) / 1.5, 2);
+    }
+    return value;
+  }
+  double at(const Eigen::VectorXd& z, const std::vector<double>& logs) const {
+    const Eigen::VectorXd a = covariance(logs).llt().solve(t);
+    double sum = 0;
+    for (Eigen::Index i = 0; i < Z.rows(); ++i) sum += a[i] * trend_covariance(z, Z.row(i).transpose(), logs);
+    return sum;
+  }
+  DenseRegression without(Eigen::Index row) const {
+    DenseRegression less{Eigen::MatrixXd(Z.rows() - 1, Z.cols()), Eigen::VectorXd(Z.rows() - 1),
+                         Eigen::VectorXd(Z.rows() - 1)};
+    for (Eigen::Index i = 0, k = 0; i < Z.rows(); ++i) {
+      if (i == row) continue;
+      less.Z.row(k) = Z.row(i);
+      less.t[k] = t[i];
+      less.weight[k++] = weight[i];
+    }
+    return less;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the regression agrees with dense algebra, leaves rows out by removing them, and its logs are a summit") {
+  TrainingTable table = boundary_table(60, 5, Boundary::curved);
+  std::vector<double> target;
+  for (std::size_t n = 0; n < table.row_count(); ++n) {
+    table.weight[n] = 0.5 + 0.02 * double(n);
+    target.push_back(2 + 3 * std::tanh(table.row(n)[0]) + 0.3 * std::sin(7.0 * double(n)));
+  }
+  const GaussianRegression model = fit_gaussian_regression(table, target);
+  const Standardisation scaling = standardisation_of(table);
+  DenseRegression dense{Eigen::MatrixXd(60, Eigen::Index(table.variable_count)),
+                        Eigen::Map<const Eigen::VectorXd>(target.data(), 60),
+                        Eigen::Map<const Eigen::VectorXd>(table.weight.data(), 60)};
+  for (Eigen::Index n = 0; n < 60; ++n)
+    for (std::size_t v = 0; v < table.variable_count; ++v)
+      dense.Z(n, Eigen::Index(v)) = scaling.standardised(v, table.row(std::size_t(n))[v]);
+  const double mean = dense.t.mean(), scale = std::sqrt((dense.t.array() - mean).square().mean());
+  dense.t = (dense.t.array() - mean) / scale;
+  for (const Eigen::Index n : {0, 17, 59}) {
+    const Eigen::VectorXd z = dense.Z.row(n).transpose();
+    CHECK(model(table.row(std::size_t(n)))[0] == Approx(mean + scale * dense.at(z, model.logs())).epsilon(1e-6));
+    CHECK(model.leave_one_out()[std::size_t(n)] ==
+          Approx(mean + scale * dense.without(n).at(z, model.logs())).epsilon(1e-6));
+  }
+  for (std::size_t k = 0; k < model.logs().size(); ++k)
+    for (const double step : {-0.3, 0.3}) {
+      std::vector<double> moved = model.logs();
+      moved[k] += step;
+      CHECK(dense.evidence(model.logs()) > dense.evidence(moved) - 0.01);
+    }
+}
+
 TEST_CASE("a row of weight two counts as the row twice") {
   TrainingTable once = small_table(), twice = once;
   once.weight.assign(14, 1.0);

@@ -290,7 +290,7 @@ TEST_CASE("folds that an earlier run finished are not trained again, and the res
 TEST_CASE("tables that do not fit are refused") {
   const VisibleLayout layout = boundary_layout();
   const auto sampler = make_sampler("exact");
-  CHECK_THROWS_AS(train_rbm(layout, TrainingTable{7, {}, {}, {}, {}}, {}, *sampler), InputError);
+  CHECK_THROWS_AS(train_rbm(layout, TrainingTable{7, {}, {}, {}, {}, {}}, {}, *sampler), InputError);
   TrainingTable table = boundary_table(10, 1);
   table.outcome[3] = 10;
   CHECK_THROWS_AS(train_rbm(layout, table, {}, *sampler), InputError);

@@ -11,6 +11,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/json/config.h"
+#include "base/units.h"
 #include "learning/rbm/gaussian_process.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/design/sobol.h"
@@ -52,6 +53,9 @@ void append(learning::TrainingTable& table, const learning::TrainingTable& rows,
   }
   table.outcome.insert(table.outcome.end(), rows.outcome.begin(), rows.outcome.end());
   table.weight.insert(table.weight.end(), rows.weight.begin(), rows.weight.end());
+  std::vector<double> margin = rows.margin;
+  margin.resize(rows.row_count(), NAN);
+  table.margin.insert(table.margin.end(), margin.begin(), margin.end());
 }
 
 }  // namespace
@@ -117,7 +121,7 @@ OtherTrials OtherTrials::away_from(const learning::TrainingTable& rows) const {
 }
 
 std::vector<double> OtherTrials::at_own(const std::vector<double>& points, std::size_t variables) const {
-  if (empty()) return points;
+  if (own.empty()) return points;
   std::vector<double> result;
   for (auto point = points.begin(); point != points.end(); point += std::ptrdiff_t(variables)) {
     result.insert(result.end(), point, point + std::ptrdiff_t(variables));
@@ -155,8 +159,8 @@ std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
   return datasets;
 }
 
-TeacherShare teacher_share(const LearningSettings& settings, std::size_t trials) {
-  const double weight = settings.teacher.value_or(trials < kManyTrials ? 3 : 10);
+TeacherShare teacher_share(const LearningSettings& settings) {
+  const double weight = settings.teacher.value_or(10);
   const bool is_box = settings.training.negative == learning::NegativePhaseKind::code_words && settings.importance == 1;
   return {weight, is_box ? weight / (1 + weight) : 0};
 }
@@ -171,9 +175,82 @@ std::vector<double> taught_points(const std::vector<double>& lower, const std::v
   return points;
 }
 
-learning::GaussianProcessModel fitted_process(const learning::TrainingTable& rows, const OtherTrials& others) {
+namespace {
+
+/// What the slope needs of friction beyond what there is: tan(slope) less the smaller coefficient of friction, between
+/// tyre and grains or between grains [-]. NaN where one of them is unknown.
+double excess_of_slope(std::span<const double> variables) {
+  static const std::size_t slope = campaign::contract().variable_index("slope_along"),
+                           soil = campaign::contract().variable_index("friction_angle"),
+                           tyre = campaign::contract().variable_index("tyre_friction");
+  return std::tan(variables[slope] * kDegree) - std::min(variables[tyre], std::tan(variables[soil] * kDegree));
+}
+
+/// Rows with one more input. points: [row x width]
+std::vector<double> with_excess(const std::vector<double>& points, std::size_t width) {
+  std::vector<double> result;
+  for (std::size_t first = 0; first < points.size(); first += width) {
+    const auto row = std::span(points).subspan(first, width);
+    result.insert(result.end(), row.begin(), row.end());
+    result.push_back(excess_of_slope(row));
+  }
+  return result;
+}
+
+/// a + b r of every point.
+std::vector<double> log_odds(const learning::LogisticModel& passes, const std::vector<double>& shares) {
+  std::vector<double> result;
+  for (const double share : shares) result.push_back(passes.log_odds(std::span(&share, 1)));
+  return result;
+}
+
+/// Rows whose margin is known.
+std::vector<std::size_t> graded_rows(const learning::TrainingTable& table) {
+  std::vector<std::size_t> rows;
+  for (std::size_t n = 0; n < table.margin.size(); ++n)
+    if (!std::isnan(table.margin[n])) rows.push_back(n);
+  return rows;
+}
+
+}  // namespace
+
+Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others) : variables_(rows.variable_count) {
+  if (!others.empty()) fidelity_.own = others.own;
+  constexpr std::size_t kFewest = 10;  // trials of known speed that a regression takes
+  constexpr double kRidge = 0.1;       // of a and b [nat]
   const learning::TrainingTable table = others.joined(rows);
-  return learning::fit_gaussian_process(table, passable_labels(table));
+  const std::vector<int> label = passable_labels(table);
+  plain_ = learning::fit_gaussian_process(table, label);
+  const std::vector<std::size_t> known = graded_rows(table);
+  if (known.size() < kFewest) return;
+  learning::TrainingTable inputs = table.subset(known);
+  inputs.variables = with_excess(inputs.variables, table.variable_count);
+  ++inputs.variable_count;
+  learning::GaussianRegression share = learning::fit_gaussian_regression(inputs, inputs.margin);
+  // A trial's own speed would tell its outcome, so each is expected from the others.
+  learning::TrainingTable expected = table;
+  expected.variables = share(with_excess(table.variables, table.variable_count));
+  expected.variable_count = 1;
+  for (std::size_t k = 0; k < known.size(); ++k) expected.variables[known[k]] = share.leave_one_out()[k];
+  const learning::LogisticModel passes = learning::fit_logistic(expected, label, kRidge);
+  learning::GaussianProcessModel rest =
+      learning::fit_gaussian_process(table, label, {}, log_odds(passes, expected.variables));
+  graded_.emplace(Graded{std::move(share), passes, std::move(rest)});
+}
+
+std::vector<double> Teacher::operator()(const std::vector<double>& points) const {
+  const std::vector<double> own = fidelity_.at_own(points, variables_);
+  std::vector<double> p = plain_.most_probable(own);
+  if (!graded_) return p;
+  const std::size_t width = variables_ + fidelity_.own.size();
+  const std::vector<double> q =
+      graded_->rest.most_probable(own, log_odds(graded_->passes, graded_->share(with_excess(own, width))));
+  for (std::size_t k = 0; k < p.size(); ++k) p[k] = (p[k] + q[k]) / 2;
+  return p;
+}
+
+std::vector<double> Teacher::baseline(const std::vector<double>& points) const {
+  return plain_.probabilities(fidelity_.at_own(points, variables_));
 }
 
 std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,
@@ -188,8 +265,7 @@ std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vect
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
                                                     std::vector<double> points, TeacherShare share) {
   if (share.weight == 0) return nullptr;
-  std::vector<double> probability =
-      fitted_process(table, others).most_probable(others.at_own(points, table.variable_count));
+  std::vector<double> probability = Teacher(table, others)(points);
   return teaching(share, std::move(points), std::move(probability));
 }
 

@@ -1,5 +1,9 @@
-// The teacher of a machine: a Gaussian process fitted to the same trials says P(go) at points without a trial, at its
-// most probable latent function (learning/rbm/train.h).
+// The teacher of a machine says P(go) at points without a trial (learning/rbm/train.h). It is the mean of two Gaussian
+// processes that are fitted to the same trials, each at its most probable latent function:
+//
+// - one learns which trials pass;
+// - the other does, too, with the mean a + b r(x). r(x) is the share of the commanded speed to expect, by a regression
+//   on the speeds of the trials. A speed says more of a trial than whether it passes.
 //
 // Where few trials are of the finest fidelity, the process also learns those of other fidelities. It takes fidelity as
 // inputs beside the variables and answers at the finest; the machine's own rows are the finest trials alone. One kernel
@@ -8,6 +12,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,17 +85,37 @@ std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::pat
 std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper,
                                   std::uint64_t seed);
 
-/// The process that learns P(go) of these rows of the model's own trials and of all others.
-learning::GaussianProcessModel fitted_process(const learning::TrainingTable& rows, const OtherTrials& others);
+class Teacher {
+ public:
+  /// Learns these rows of the model's own trials and all others. Without margins only the first process.
+  Teacher(const learning::TrainingTable& rows, const OtherTrials& others);
+  /// P(go) of points at the own fidelity [point count x variables].
+  std::vector<double> operator()(const std::vector<double>& points) const;
+  /// The first process, alone a baseline: at its posterior mean.
+  std::vector<double> baseline(const std::vector<double>& points) const;
+
+ private:
+  /// The second process.
+  struct Graded {
+    learning::GaussianRegression share;   // r, of the variables and the excess of slope
+    learning::LogisticModel passes;       // a + b r
+    learning::GaussianProcessModel rest;  // around it
+  };
+
+  std::size_t variables_;
+  OtherTrials fidelity_;  // of the own trials, without rows
+  learning::GaussianProcessModel plain_;
+  std::optional<Graded> graded_;
+};
 
 /// How much a teacher counts: t and r of learning::Teaching.
 struct TeacherShare {
   double weight = 0, joint_share = 0;
 };
-/// The weight that the study gives, or 3 below kManyTrials trials and 10 from there on. The taught points share in the
+/// The weight that the study gives, or 10. The taught points share in the
 /// joint distribution as they weigh beside the trials, r = t / (1 + t), if that distribution is the box's: the machine
 /// is one of code words, and trials count by prior / proposal density.
-TeacherShare teacher_share(const LearningSettings& settings, std::size_t trials);
+TeacherShare teacher_share(const LearningSettings& settings);
 
 /// probability: P(go) of the points.
 std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,

@@ -42,6 +42,7 @@ Inputs read_inputs(const TrainRequest& request) {
   const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
   in.gravity = campaign::settings_of(dataset.provenance, request.dataset.string()).gravity;
   in.data = make_training_data(dataset.records, request.design);
+  widen_to_own_ranges(in.data, dataset.provenance, request.dataset.string());
   temper_weights(in.data, in.settings.importance);
   if (request.hold_out > 0) in.held_out = hold_out(in.data, request.hold_out, request.seed);
   if (!request.groups.empty()) keep_groups(in.data, request.groups);
@@ -50,7 +51,7 @@ Inputs read_inputs(const TrainRequest& request) {
   in.training = training_settings(in.settings, rows, request.seed);
   in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
   in.data_hash = file_hash(request.dataset);
-  in.teacher = teacher_share(in.settings, rows);
+  in.teacher = teacher_share(in.settings);
   return in;
 }
 
@@ -235,9 +236,9 @@ class FoldTeachers {
     std::vector<std::size_t> training, held_out;
     for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == fold ? held_out : training).push_back(n);
     const learning::TrainingTable &table = in_.data.table, unseen = table.subset(held_out);
-    const learning::GaussianProcessModel process = fitted_process(table.subset(training), in_.others.away_from(unseen));
-    ProcessAnswers fresh{process.probabilities(in_.others.at_own(unseen.variables, table.variable_count)), {}};
-    if (in_.teacher.weight > 0) fresh.taught = process.most_probable(in_.others.at_own(points_, table.variable_count));
+    const Teacher teacher(table.subset(training), in_.others.away_from(unseen));
+    ProcessAnswers fresh{teacher.baseline(unseen.variables), {}};
+    if (in_.teacher.weight > 0) fresh.taught = teacher(points_);
     kept_.keep_process(fold, fresh);
     return answers_.emplace(fold, std::move(fresh)).first->second;
   }

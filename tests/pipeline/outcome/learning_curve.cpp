@@ -202,7 +202,7 @@ TEST_CASE("the teacher helps few trials, its weight is a setting, and the same s
   CHECK(taught < 1.05 * alone);
   CHECK(read_file(trained("again", "{}")) == read_file(scratch() / "taught.h5"));
   CHECK(learning::read_model(scratch() / "taught.h5").provenance.at("teacher_weight").number() ==
-        teacher_share({}, 58).weight);
+        teacher_share({}).weight);
   refused([&] { read_learning_settings(section(R"({"teacher": -1})")); }, "teacher");
 }
 

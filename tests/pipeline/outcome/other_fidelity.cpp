@@ -186,6 +186,24 @@ TEST_CASE("a process on 16 fine and 200 coarse trials finds the fine curve bette
   CHECK(helped < 0.7 * alone);
 }
 
+TEST_CASE("a teacher that sees the speeds of trials forecasts others better than a process that sees who passed") {
+  const TrainingData data = make_training_data(campaign::read_dataset(kVehicle).records, {});
+  std::vector<std::size_t> first, rest;
+  for (std::size_t n = 0; n < data.table.row_count(); ++n) (n < 200 ? first : rest).push_back(n);
+  const learning::TrainingTable seen = data.table.subset(first), unseen = data.table.subset(rest);
+  const std::vector<int> happened = passable_labels(unseen);
+  const Teacher teacher(seen, {});
+  const double plain = learning::brier_score(teacher.baseline(unseen.variables), happened);
+  const double graded = learning::brier_score(teacher(unseen.variables), happened);
+  INFO("Brier score of the process " << plain << ", of the teacher " << graded);
+  CHECK(graded < 0.85 * plain);
+  // Without speeds it is the process alone.
+  learning::TrainingTable blind = seen;
+  blind.margin.clear();
+  const std::vector<double> found = Teacher(blind, {})(unseen.variables);
+  CHECK(found == learning::fit_gaussian_process(seen, passable_labels(seen)).most_probable(unseen.variables));
+}
+
 TEST_CASE("a model that other trials helped names them, and has other bits than one that they did not") {
   const fs::path alone = scratch() / "alone.h5", helped = scratch() / "helped.h5";
   std::vector<std::uint64_t> first(40);
