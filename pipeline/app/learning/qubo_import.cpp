@@ -43,8 +43,11 @@ std::string outcomes_text(const outcome::AnswerSummary& summary) {
 std::string temperature_text(const outcome::AnswerSummary& summary) {
   if (!summary.temperature) return "";
   const learning::BetaEstimate& beta = summary.temperature->beta;
+  const std::string& verdict = summary.temperature->verdict;
   return line("rows follow beta %.3f (95 %%: %.3f to %.3f); the problem means 1%s\n", beta.beta, beta.low, beta.high,
-              summary.temperature->verdict == "right" ? "" : ": WRONG TEMPERATURE, within --max-beta-error");
+              verdict == "right"       ? ""
+              : verdict == "corrected" ? ": corrected by the weights of the rows"
+                                       : ": WRONG TEMPERATURE, within --max-beta-error");
 }
 
 std::string bias_text(const outcome::AnswerSummary& summary) {

@@ -141,15 +141,16 @@ void weigh_row(const Sidecar& sidecar, const learning::SampleSet& answer, const 
 }
 
 void weigh_rows(const Sidecar& sidecar, const learning::SampleSet& answer, const CodeMachine& machine,
-                std::uint64_t seed, DecodedAnswer& result) {
+                std::uint64_t seed, double beta, DecodedAnswer& result) {
   std::vector<CodeMachine::Given> given;
-  double highest = -INFINITY;
+  std::vector<double> log_weight;
   for (std::size_t r = 0; r < answer.row_count(); ++r) {
     given.push_back(machine.given(answer.row(r)));
-    highest = std::max(highest, given.back().log_words - given.back().log_all);
+    log_weight.push_back(given.back().log_words - given.back().log_all + (beta - 1) * answer.energies[r]);
   }
+  const double highest = log_weight.empty() ? 0 : *std::max_element(log_weight.begin(), log_weight.end());
   for (std::size_t r = 0; r < answer.row_count(); ++r) {
-    result.weight[r] = std::exp(given[r].log_words - given[r].log_all - highest);
+    result.weight[r] = std::exp(log_weight[r] - highest);
     weigh_row(sidecar, answer, machine, given[r], r, seed, result);
   }
 }
@@ -166,6 +167,9 @@ learning::SeriesMean frequency(const DecodedAnswer& decoded, std::size_t y) {
 }
 
 constexpr double kChance = 4;  // standard errors that chance explains, of the largest of some ten outcomes
+/// Independent reads of an outcome below which the spread of weighed rows says little of the error: most answers hold
+/// none of the few rows that make up its probability.
+constexpr double kRare = 10;
 
 void add_outcomes(const Sidecar& sidecar, const DecodedAnswer& decoded, const CodeMachine* machine,
                   AnswerSummary& summary) {
@@ -177,7 +181,7 @@ void add_outcomes(const Sidecar& sidecar, const DecodedAnswer& decoded, const Co
     if (!own.probability.empty()) {
       const double p = own.probability[y];
       double error = found.standard_error;
-      if (decoded.decoding != Decoding::weigh)
+      if (decoded.decoding != Decoding::weigh || p * found.independent_reads < kRare)
         error = std::max(error, std::sqrt(p * (1 - p) / found.independent_reads));
       outcome.machine = p;
       outcome.machine_error = own.standard_error[y];
@@ -212,7 +216,7 @@ void add_variables(const Sidecar& sidecar, const DecodedAnswer& decoded, AnswerS
 }  // namespace
 
 DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, Decoding decoding,
-                            const CodeMachine* machine, std::uint64_t seed) {
+                            const CodeMachine* machine, std::uint64_t seed, double beta) {
   DecodedAnswer result;
   result.decoding = decoding;
   make_room(sidecar, answer, result);
@@ -221,7 +225,7 @@ DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& a
   if (decoding != Decoding::weigh) return result;
   GONOGO_ASSERT(machine);
   if (machine->has_free_units()) result.valid = result.reads;
-  weigh_rows(sidecar, answer, *machine, seed, result);
+  weigh_rows(sidecar, answer, *machine, seed, beta, result);
   return result;
 }
 

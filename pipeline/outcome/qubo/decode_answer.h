@@ -33,7 +33,9 @@ struct ImportLimits {
 /// hidden units. The problem means beta = 1.
 struct RowTemperature {
   learning::BetaEstimate beta;
-  std::string verdict = "right";  // "wrong": the interval, 1 % wider on either side, leaves out 1; or "unknown"
+  /// "wrong": the interval, 1 % wider on either side, leaves out 1; "corrected": so it was, and the rows' weights make
+  /// up for it; or "unknown"
+  std::string verdict = "right";
 };
 /// problem: over the variables of the answer, not the qubits.
 RowTemperature row_temperature(const learning::Problem& problem, const learning::SampleSet& answer);
@@ -63,11 +65,12 @@ struct DecodedAnswer {
 /// `answer` must have passed check_answer(), so its columns are the labels of the problem.
 ///
 /// `weigh` takes of each row its hidden units, which give every code word a probability (code_machine.h); it needs
-/// `machine`. Its `rows` are code words drawn with these probabilities by `seed`. `discard` leaves out rows with a word
-/// that is no code word. `repair` keeps those that the rule can map to a value, and `repaired` counts them. Repaired
-/// rows are no samples of the machine's conditional distribution.
+/// `machine`. Its `rows` are code words drawn with these probabilities by `seed`. Rows that follow exp(-beta E) count
+/// by exp((beta - 1) E) as well. `discard` leaves out rows with a word that is no code word. `repair` keeps those that
+/// the rule can map to a value, and `repaired` counts them. Repaired rows are no samples of the machine's conditional
+/// distribution.
 DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, Decoding decoding,
-                            const CodeMachine* machine, std::uint64_t seed);
+                            const CodeMachine* machine, std::uint64_t seed, double beta = 1);
 
 /// CSV with one line for each row. Columns: the variables, outcome, energy, occurrences, and the weight if rows are
 /// weighed. Values that are not clamped are the middles of their bins, or uniform inside them, drawn by `inside`.

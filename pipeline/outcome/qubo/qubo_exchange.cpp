@@ -231,11 +231,15 @@ ImportedAnswer decode_answer_to(const learning::Problem& problem, const Sidecar&
   const auto machine = code_machine(problem, sidecar);
   const bool cannot_weigh = settings.decoding == Decoding::weigh && !machine;
   ImportedAnswer result;
-  result.decoded = decode_answer(sidecar, answer, cannot_weigh ? Decoding::discard : settings.decoding,
-                                 machine ? &*machine : nullptr, settings.seed);
+  RowTemperature temperature = row_temperature(problem, answer);
+  expect_temperature(temperature, settings.limits, source);
+  const Decoding decoding = cannot_weigh ? Decoding::discard : settings.decoding;
+  if (decoding == Decoding::weigh && temperature.verdict == "wrong" && std::isfinite(settings.limits.temperature))
+    temperature.verdict = "corrected";
+  result.decoded = decode_answer(sidecar, answer, decoding, machine ? &*machine : nullptr, settings.seed,
+                                 temperature.verdict == "corrected" ? temperature.beta.beta : 1);
   result.summary = summarise(sidecar, result.decoded, machine ? &*machine : nullptr);
-  result.summary->temperature = row_temperature(problem, answer);
-  expect_temperature(*result.summary->temperature, settings.limits, source);
+  result.summary->temperature = temperature;
   expect_enough(*result.summary, settings.limits, source);
   result.reads = result.decoded.reads;
   result.machine_answer = sidecar.machine_answer;

@@ -39,7 +39,7 @@ DecodeSettings taking_all_reads() {
 
 }  // namespace
 
-TEST_CASE("of twenty answers at a wrong temperature none is taken, and those at the right one are") {
+TEST_CASE("of twenty answers at a wrong temperature none is taken as it is, and those at the right one are") {
   for (const std::size_t hidden : {std::size_t(8), std::size_t(24)}) {
     const MachineProblem machine = exported_machine(hidden, 3);
     const auto take = [&](double beta, std::size_t reads) {
@@ -52,12 +52,34 @@ TEST_CASE("of twenty answers at a wrong temperature none is taken, and those at 
       if (std::abs(beta - 1) > 0.15)
         refused([&] { take(beta, 200); }, "its rows have beta");
       else
-        CHECK(take(beta, 4000).summary->temperature->verdict == "wrong");
+        CHECK(take(beta, 4000).summary->temperature->verdict == "corrected");
     }
     const RowTemperature right = *take(1, 1000).summary->temperature;
     CHECK(right.verdict == "right");
     CHECK(right.beta.low < 1.02);
     CHECK(right.beta.high > 0.98);
+  }
+}
+
+TEST_CASE("rows a little too hot or too cold have the machine's outcomes once their weights are corrected") {
+  const MachineProblem machine = exported_machine(8, 3);
+  const auto own = CodeMachine::of(machine.problem, machine.sidecar.layout)->outcomes();
+  for (const double beta : {0.87, 1.13}) {
+    const learning::SampleSet rows = rows_at(beta, machine.problem, 40000);
+    DecodeSettings settings = taking_all_reads();
+    const auto largest_difference = [&] {
+      const auto found = decode_answer_to(machine.problem, machine.sidecar, rows, settings, "answer").summary;
+      CHECK(found->temperature->beta.beta == Approx(beta).margin(0.03));
+      double largest = 0;
+      for (std::size_t y = 0; y < found->outcomes.size(); ++y)
+        largest = std::max(largest, std::abs(found->outcomes[y].frequency.mean - own.probability[y]));
+      return largest;
+    };
+    const double corrected = largest_difference();
+    settings.limits.temperature = INFINITY;
+    const double as_drawn = largest_difference();
+    std::printf("beta %.2f: an outcome is off by %.4f at most, %.4f once corrected\n", beta, as_drawn, corrected);
+    CHECK(corrected < 0.5 * as_drawn);
   }
 }
 
