@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""Rivals of models on the trials that the models were trained on, scored on other trials (docs/learning.md).
+
+    python3 -m venv out/rivals && out/rivals/bin/pip install scikit-learn h5py
+    out/rivals/bin/python scripts/learning_rivals.py --gonogo build/cpu-release/gonogo --dataset data/hmmwv_32mm/fresh.h5 MODEL...
+
+All rivals come from scikit-learn: a Gaussian process, boosted trees with the known monotone directions, logistic regression on
+squares and products, and an ensemble of ten networks. Models in folders
+trials_N_subset_K (`gonogo learning-curve`) are averaged over K.
+"""
+import argparse
+import collections
+import csv
+import json
+import pathlib
+import re
+import subprocess
+import tempfile
+import warnings
+
+import h5py
+import numpy
+from sklearn.ensemble import HistGradientBoostingClassifier
+from sklearn.gaussian_process import GaussianProcessClassifier
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+from sklearn.linear_model import LogisticRegressionCV
+from sklearn.neural_network import MLPClassifier
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import PolynomialFeatures, StandardScaler
+
+# P(go) rises (1) or falls (-1) with these.
+MONOTONE = {"slope_along": -1, "friction_angle": 1, "cohesion": 1, "tyre_friction": 1, "force_number": 1, "power_number": 1}
+SEARCHED = 500  # trials by which the process finds its kernel
+
+
+def trials_of_model(file):
+    with h5py.File(file) as model:
+        layout = json.loads(model["layout"][()])
+        names = [variable["name"] for variable in layout["variables"]]
+        outcomes = layout["outcomes"]
+        passes = numpy.array([name.startswith(("go", "slow_go")) for name in outcomes])
+        points = model["training/points"][()]
+        return names, points, passes[model["training/outcomes"][()]].astype(int)
+
+
+def trials_of_dataset(file, names):
+    with h5py.File(file) as data:
+        count = len(data["outcome/verdict"])
+        points = numpy.column_stack([data["variables/" + n][()] if "variables/" + n in data else numpy.full(count, numpy.nan)
+                                     for n in names])
+        verdict = data["outcome/verdict"][()]
+    known = verdict != 4
+    return points[known], (verdict[known] <= 2).astype(int)
+
+
+def process(x, y):
+    """Its kernel is found on some trials; its posterior takes all."""
+    kernel = ConstantKernel(4.0) * RBF(numpy.full(x.shape[1], 3.0), (0.1, 1e3))
+    some = numpy.random.default_rng(1).permutation(len(y))[:SEARCHED]
+    found = GaussianProcessClassifier(kernel).fit(x[some], y[some])
+    return GaussianProcessClassifier(found.kernel_, optimizer=None).fit(x, y)
+
+
+class Networks:
+    def __init__(self, x, y):
+        self.members = [MLPClassifier((32, 32), alpha=0.1, early_stopping=len(y) >= 500, max_iter=1000, random_state=k).fit(x, y)
+                        for k in range(10)]
+
+    def predict_proba(self, x):
+        return numpy.mean([member.predict_proba(x) for member in self.members], 0)
+
+
+def rivals(names):
+    directions = [MONOTONE.get(n, 0) for n in names]
+    boosted = HistGradientBoostingClassifier(learning_rate=0.05, max_iter=300, max_leaf_nodes=15, min_samples_leaf=10,
+                                             l2_regularization=1.0, monotonic_cst=directions, random_state=1)
+    quadratic = make_pipeline(PolynomialFeatures(2, include_bias=False), StandardScaler(),
+                              LogisticRegressionCV(Cs=numpy.logspace(-2, 2, 9), cv=5, scoring="neg_log_loss", max_iter=5000))
+    return {"Gaussian process": process, "boosted trees": boosted.fit, "quadratic logistic": quadratic.fit,
+            "networks": Networks}
+
+
+def scores(p, happened):
+    p = numpy.clip(p, 1e-12, 1 - 1e-12)
+    return float(numpy.mean((p - happened) ** 2)), float(-numpy.mean(numpy.log(numpy.where(happened == 1, p, 1 - p))))
+
+
+def model_scores(gonogo, model, names, points, happened):
+    with tempfile.TemporaryDirectory() as folder:
+        asked, answered = pathlib.Path(folder) / "points.csv", pathlib.Path(folder) / "answers.csv"
+        known = [v for v in range(len(names)) if not numpy.isnan(points[:, v]).any()]
+        with open(asked, "w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow([names[v] for v in known])
+            writer.writerows([[repr(float(x)) for x in row] for row in points[:, known]])
+        subprocess.run([gonogo, "infer", "--model", str(model), "--csv", str(asked), "--out", str(answered)], check=True,
+                       stdout=subprocess.DEVNULL)
+        with open(answered) as file:
+            return scores(numpy.array([float(row["p_go"]) for row in csv.DictReader(file)]), happened)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("models", nargs="+", type=pathlib.Path)
+    parser.add_argument("--dataset", required=True, type=pathlib.Path, help="trials that score, none of them trained on")
+    parser.add_argument("--gonogo", default="build/cpu-release/gonogo")
+    options = parser.parse_args()
+    warnings.filterwarnings("ignore")  # of solvers that stop at their limit
+    found = collections.defaultdict(lambda: collections.defaultdict(list))
+    for model in options.models:
+        names, points, label = trials_of_model(model)
+        fresh, happened = trials_of_dataset(options.dataset, names)
+        used = [v for v in range(len(names)) if numpy.nanstd(points[:, v]) > 0]
+        mean, scale = points[:, used].mean(0), points[:, used].std(0)
+        x, z = (points[:, used] - mean) / scale, (fresh[:, used] - mean) / scale
+        size = len(label)
+        folder = re.fullmatch(r"trials_(\d+)_subset_\d+", model.resolve().parent.name)
+        row = found[int(folder[1]) if folder else size]
+        row["model"].append(model_scores(options.gonogo, model, names, fresh, happened))
+        for name, fit in rivals([names[v] for v in used]).items():
+            row[name].append(scores(fit(x, label).predict_proba(z)[:, 1], happened))
+    print("trials, models, scores (Brier, log loss [nat]): mean over the models")
+    for size, row in sorted(found.items()):
+        print(size, len(row["model"]), *(f"| {name} {numpy.mean(s, 0)[0]:.4f}, {numpy.mean(s, 0)[1]:.3f}" for name, s in row.items()))
+
+
+if __name__ == "__main__":
+    main()
