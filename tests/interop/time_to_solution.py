@@ -43,7 +43,7 @@ def glass(graph, seed):
 
 
 def independent_set(seed):
-    graph = networkx.random_regular_graph(3, 300, seed)
+    graph = networkx.random_regular_graph(3, 100, seed)
     return plain(generators.maximum_independent_set(graph.edges, graph.nodes))
 
 
@@ -86,7 +86,7 @@ FAMILIES = {
     "anti-crossing, loops": lambda k: plain(generators.anti_crossing_loops(40 + 8 * k)),
     "frustrated loops, Pegasus P4": loops,
     "independent set, 3-regular": independent_set,
-    "knapsack": lambda k: of_constraints(generators.random_knapsack(20, seed=k)),
+    "knapsack": lambda k: of_constraints(generators.random_knapsack(10, seed=k)),
     "travelling salesman": lambda k: salesman(9, k),
     "glass, Chimera C8": lambda k: glass(dwave_networkx.chimera_graph(8), k),
     "glass, Zephyr Z3": lambda k: glass(dwave_networkx.zephyr_graph(3), k),

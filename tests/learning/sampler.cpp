@@ -215,6 +215,28 @@ TEST_CASE("annealers' rows follow the exact distribution, also on frustrated pro
   if (name == "population") CHECK(rows.info.at("log_z").number() == Approx(log_z).margin(0.02));
 }
 
+TEST_CASE("mean energies have the closed form at any scale of energies and any temperature") {
+  const std::string name = GENERATE("anneal", "tempering", "population");
+  const double size = GENERATE(1e-3, 1.0, 1e3), beta = GENERATE(1e-3, 1.0, 5e3);
+  Problem problem;  // 20 spins in a field and 10 pairs, none of them coupled with another
+  problem.vartype = Vartype::spin;
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    problem.labels.emplace_back(std::int64_t(i));
+    problem.linear.push_back(i < 20 ? size : 0);
+    if (i >= 20 && i % 2 == 0) problem.couplings.push_back({i, i + 1, size});
+  }
+  SamplerSettings settings{{"beta_end", beta}};
+  if (name == "tempering") settings["beta_start"] = beta / 100;
+  constexpr std::size_t kReads = 200;
+  const SampleSet rows = make_sampler(name, settings)->sample(problem, {.reads = kReads, .seed = 5, .sweeps = 100});
+  double mean = 0;
+  for (std::size_t r = 0; r < kReads; ++r) mean += energy(problem, rows.row(r)) / double(kReads);
+  const double expected = -30 * size * std::tanh(beta * size);
+  const double spread = std::sqrt(30.0) * size / std::cosh(std::min(beta * size, 300.0));
+  INFO(name << ", fields of " << size << ", beta " << beta << ": mean " << mean << ", expected " << expected);
+  CHECK(std::abs(mean - expected) < 5 * spread / std::sqrt(double(kReads)) + 1e-9 * size);
+}
+
 TEST_CASE("rows of every sampler of any problem are the same bits for any threads") {
   const std::string name = GENERATE(from_range(
       sampler_names([](const SamplerKind& kind) { return kind.any_problem && kind.origin == RowOrigin::here; })));
