@@ -5,6 +5,7 @@
 #include <iterator>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -239,10 +240,20 @@ class MechanismChecker {
     return l;
   }
 
+  /// The nearest image of a body is the one that is meant.
+  void check_length(double length) const {
+    for (const auto& [repeats, period] :
+         {std::pair{world_.periodic_x, world_.size.x}, {world_.periodic_y, world_.size.y}})
+      require(!repeats || 2 * length < period, "its length is " + number(length, 4) +
+                                                   " m; in a world that repeats every " + number(period, 4) +
+                                                   " m it must be below half of that");
+  }
+
   void check(const Joint& j) const {
     check_pair(j.a, j.b);
     require(j.type != JointType::distance || j.length > 1e-6,
             "its length is " + number(j.length, 4) + " m; a distance joint needs one above 1e-6 m, or be spherical");
+    if (j.type == JointType::distance) check_length(j.length);
     const Link l = link(j.a, j.b);
     const bool holds_axis =
         j.type == JointType::revolute || j.type == JointType::prismatic || j.type == JointType::fixed;

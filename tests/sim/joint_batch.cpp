@@ -193,6 +193,11 @@ TEST_CASE("joints, springs and motors that cannot work are refused with what is 
   j.b.axis_B = {0, 0, -1};
   CHECK(contains(with_joint(j), "opposite"));
   CHECK(contains(with_joint(distance(w, a, b, {1, 1, 1}, {1, 1, 1})), "length is 0 m"));
+  w.periodic_x = true;
+  j = distance(w, a, b, {1, 1, 1}, {2, 1, 1});
+  j.length = w.size.x;
+  CHECK(contains(with_joint(j), "must be below half of that"));
+  w.periodic_x = false;
 
   SpringDamper s = spring_between(w, a, b, {1, 1, 1}, {2, 1, 1}, 100, 1);
   CHECK(with_spring(s).empty());

@@ -281,11 +281,15 @@ Json chassis(const Complete& c, double height, double ahead) {
 
 /// Parallel arms: the wheel moves straight up, and strut and wheel in the ratio kStrutPlace.
 constexpr double kStrutPlace = 0.7;  // of the lower arm, from its pivot
+/// Longest arm and tie rod, over the diameter: in the narrowest bed that repeats, 0.8 diameters, a rod has to be
+/// shorter than half of the period.
+constexpr double kLongestArm = 0.38;
 
 Json sprung_axle(const Complete& c, double load) {
   const double d = c.diameter(), y = c.sheet.track / 2, ball = std::max(0.6 * y, y - 0.6 * c.tread_width - 0.05 * d);
-  const double inner = 0.5 * ball, z = 0.12 * d, strut_y = inner + kStrutPlace * (ball - inner), strut = 0.5 * d;
-  const double corner = c.sheet.mass / c.wheels(), reach = ball - inner;
+  const double inner = std::max(0.5 * ball, ball - kLongestArm * d), reach = ball - inner;
+  const double z = 0.12 * d, strut_y = inner + kStrutPlace * reach, strut = 0.5 * d;
+  const double corner = c.sheet.mass / c.wheels();
   const double sprung =
       load / c.sheet.gravity - c.wheel_mass - kUpright * corner - 0.5 * (kUpperArm + kLowerArm) * corner;
   const double turns = 2 * kPi * c.sheet.ride_hz.value_or(kRideHz), ratio2 = kStrutPlace * kStrutPlace;

@@ -5,6 +5,8 @@
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/design/design.h"
 #include "pipeline/campaign/trial/trial.h"
+#include "pipeline/campaign/trial/world.h"
+#include "sim/scene/flat_world.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 #include "tests/support/temporary_folder.h"
@@ -84,6 +86,25 @@ TEST_CASE("every point of a study of whole vehicles drives its vehicle on a bed 
     terrain::check_patch(own.patch(), own.calibration.grain_diameter);
   }
   for (const int count : {axles[2], axles[3], axles[4]}) CHECK(count > 30);
+}
+
+TEST_CASE("every vehicle of the family's study can start in its world") {
+  const Study study = read_study(kConfigs + "studies/wheeled_family_32mm.json");
+  const TrialSetup setup = read_trial_setup(study, std::filesystem::temp_directory_path() / "gonogo-test-beds");
+  DesignSpec spec = read_design(study.section("design"), study.seed);
+  spec.points = 512;
+  for (const DesignPoint& p : make_design(spec)) {
+    const TrialSetup own = setup_at(setup, p);
+    const TrialInputs in = inputs_of(p);
+    // Where grains lie does not matter to the start of a vehicle: one stands for the bed.
+    terrain::Packing bed{.spec = bed_spec_of(own, in), .surface = in.bed_depth};
+    bed.spec.length = own.tiles_along * own.bed_length;
+    bed.spec.width = own.tiles_across * own.bed_width;
+    bed.grain = {{.position = {0.1, 0.1, 0.05}, .radius = 0.016}};
+    const sim::SceneWorld world =
+        vehicle_on_bed(own, bed, {.grain = {{.position = {0.1, 0.1, 0.05}}}}, conditions_of(own, in));
+    CHECK_NOTHROW(sim::flatten(world, 0, attempt_settings(own, 1)));
+  }
 }
 
 TEST_CASE("the record of a towed wheel holds its pull, and a row of text the same bits") {
