@@ -31,6 +31,6 @@ for reader in "${readers[@]}"; do
   # GDAL and its libraries keep what they read, so that leaks at the end are theirs.
   GONOGO_READER=$reader GONOGO_SEED_FILE=$corpus/whole ASAN_OPTIONS=detect_leaks=0 \
     build/cpu-fuzz/tests/fuzz/fuzz_readers "$corpus" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=4096 \
-    -max_len=65536 -artifact_prefix="$corpus/" -print_final_stats=1 -verbosity=0 || status=1
+    -max_len=65536 -artifact_prefix="$corpus/" -print_final_stats=1 -verbosity=0 -print_funcs=0 || status=1
 done
 exit "$status"

@@ -30,15 +30,27 @@ struct Target {
   }
 };
 
+const Target& target() {
+  static const Target only;
+  return only;
+}
+
 }  // namespace
 
+/// Before libFuzzer reads its corpus, so that the whole file can be in it.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  target();
+  return 0;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const Target target;
-  std::FILE* file = std::fopen((target.folder / target.reader.damaged).c_str(), "wb");
+  const std::filesystem::path folder = target().folder.path();
+  const gonogo::fuzz::Reader& reader = target().reader;
+  std::FILE* file = std::fopen((folder / reader.damaged).c_str(), "wb");
   std::fwrite(data, 1, size, file);
   std::fclose(file);
   try {
-    target.reader.read(target.folder / target.reader.opened);
+    reader.read(folder / reader.opened);
   } catch (const gonogo::InputError&) {
   }
   return 0;
