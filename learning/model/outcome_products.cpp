@@ -41,7 +41,8 @@ OutcomeProducts::OutcomeProducts(std::span<const double> outcome_bias, std::span
   }
 }
 
-void OutcomeProducts::operator()(std::span<const double> inverse, std::span<double> product) const {
+template <bool kShared>
+void OutcomeProducts::multiply(const double* common, std::span<const double> inverse, std::span<double> product) const {
   const std::size_t hidden = least_.size();
   for (std::size_t first = 0; first < base_.size(); first += kOutcomesAtOnce) {
     Half left[kOutcomesAtOnce], right[kOutcomesAtOnce];
@@ -49,7 +50,8 @@ void OutcomeProducts::operator()(std::span<const double> inverse, std::span<doub
     for (std::size_t y = 0; y < kOutcomesAtOnce; ++y) left[y] = right[y] = Half{} + base_[first + y];
     const double* factor = factor_.data() + first * hidden;
     for (std::size_t j = 0; j < hidden; ++j, factor += kOutcomesAtOnce) {
-      const Half a = load(inverse.data() + j * kLanes), b = load(inverse.data() + j * kLanes + kLanes / 2);
+      Half a = load(inverse.data() + j * kLanes), b = load(inverse.data() + j * kLanes + kLanes / 2);
+      if constexpr (kShared) a *= common[j], b *= common[j];
 #pragma GCC unroll 5
       for (std::size_t y = 0; y < kOutcomesAtOnce; ++y) {
         left[y] *= a + factor[y];
@@ -64,13 +66,19 @@ void OutcomeProducts::operator()(std::span<const double> inverse, std::span<doub
   }
 }
 
+void OutcomeProducts::operator()(std::span<const double> inverse, std::span<double> product) const {
+  multiply<false>(nullptr, inverse, product);
+}
+
+void OutcomeProducts::operator()(std::span<const double> common, std::span<const double> inverse,
+                                 std::span<double> product) const {
+  multiply<true>(common.data(), inverse, product);
+}
+
 void OutcomeProducts::add(std::span<const double> common, std::span<const double> inverse,
                           std::span<const double> weight, bool normalised, Sum& sum) const {
   constexpr std::size_t kHalf = kLanes / 2;
-  for (std::size_t j = 0; j < common.size(); ++j)
-    for (std::size_t at = j * kLanes; at < (j + 1) * kLanes; at += kHalf)
-      store(load(inverse.data() + at) * common[j], sum.inverse.data() + at);
-  (*this)(sum.inverse, sum.product);
+  (*this)(common, inverse, sum.product);
   for (std::size_t lane = 0; lane < kLanes; lane += kHalf) {
     Half total = Half{} + double(!normalised);
     for (std::size_t at = lane; at < sum.product.size() && normalised; at += kLanes) total += load(&sum.product[at]);

@@ -23,16 +23,17 @@ class OutcomeProducts {
 
   /// inverse: exp(-f) [hidden count x kLanes]; product: [padded_outcomes() x kLanes], 0 beyond the outcomes.
   void operator()(std::span<const double> inverse, std::span<double> product) const;
+  /// The same where the points share a part of exp(-f). common: that part [hidden count]; inverse: the other one.
+  void operator()(std::span<const double> common, std::span<const double> inverse, std::span<double> product) const;
 
   /// Weighted sums over many points, kept by lane until the end.
   struct Sum {
-    explicit Sum(const OutcomeProducts& products)
-        : inverse(products.least_.size() * kLanes), product(products.padded_outcomes() * kLanes), weighted(product) {}
-    std::vector<double> inverse, product;  // of the points added last
-    std::vector<double> weighted;          // [padded_outcomes() x kLanes]
+    explicit Sum(const OutcomeProducts& products) : product(products.padded_outcomes() * kLanes), weighted(product) {}
+    std::vector<double> product;   // of the points added last
+    std::vector<double> weighted;  // [padded_outcomes() x kLanes]
   };
-  /// Adds the products of kLanes points, times their weights. common: part of exp(-f) that they share [hidden count];
-  /// inverse: the other part; weight: [kLanes]. normalised: products are first divided by their sum over the outcomes.
+  /// Adds the products of kLanes points, times their weights [kLanes]; common and inverse as above. normalised:
+  /// products are first divided by their sum over the outcomes.
   void add(std::span<const double> common, std::span<const double> inverse, std::span<const double> weight,
            bool normalised, Sum& sum) const;
 
@@ -42,6 +43,9 @@ class OutcomeProducts {
   bool fit(std::span<const double> lowest, std::span<const double> highest, double range) const;
 
  private:
+  template <bool kShared>
+  void multiply(const double* common, std::span<const double> inverse, std::span<double> product) const;
+
   std::vector<double> base_;    // exp(d), the largest 1 [padded_outcomes()], 0 beyond the outcomes
   std::vector<double> factor_;  // exp(U) [group of outcomes][hidden count][kOutcomesAtOnce], 0 beyond the outcomes
   std::vector<double> least_, most_;  // least and largest U_yj over the outcomes [hidden count]

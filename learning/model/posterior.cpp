@@ -156,7 +156,7 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
   }
   if (terms <= double(options.max_terms)) {
     // With nothing unknown the bits are those of operator().
-    if (auto answer = unknown.empty() ? std::nullopt : sum_products(field, unknown)) return *answer;
+    if (auto answer = unknown.empty() ? std::nullopt : sum_products(field, summation(unknown))) return *answer;
     return sum_logarithms(field, unknown);
   }
   return joint(variables, std::nullopt, options).outcome;
@@ -232,7 +232,6 @@ PosteriorAnswer Posterior::sum_logarithms(const std::vector<double>& field,
 
 namespace {
 
-constexpr double kMaxLog = 600;         // e^600 times any number of terms is finite in double; e^-600 is not 0
 constexpr std::size_t kMaxInner = 256;  // combinations whose exp(-field) are tabulated
 
 }  // namespace
@@ -274,13 +273,6 @@ bool Posterior::products_fit(std::span<const double> field, const std::vector<st
   return products_.fit(lowest, highest, kMaxLog + lightest);
 }
 
-/// All combinations of bins of some variables, kLanes at a time. The last block is filled up with weight 0.
-struct Posterior::LaneBlocks {
-  std::size_t count = 0;        // blocks
-  std::vector<double> inverse;  // exp(-field) [block][hidden][lane]
-  std::vector<double> weight;   // [block][lane]
-};
-
 Posterior::LaneBlocks Posterior::lane_blocks(const std::vector<std::size_t>& unknown) const {
   const std::size_t hidden = hidden_bias_.size();
   const std::vector<std::size_t> bins = bin_counts(unknown);
@@ -304,13 +296,18 @@ Posterior::LaneBlocks Posterior::lane_blocks(const std::vector<std::size_t>& unk
   return blocks;
 }
 
-std::vector<double> Posterior::outcome_products(std::span<const double> field,
-                                                const std::vector<std::size_t>& unknown) const {
+Posterior::Summation Posterior::summation(const std::vector<std::size_t>& unknown) const {
   std::size_t depth = unknown.size(), terms = 1;  // the first `depth` variables are outside the tabulated blocks
   for (const auto bins = bin_counts(unknown); depth > 0 && (terms == 1 || terms * bins[depth - 1] <= kMaxInner);)
     terms *= bins[--depth];
-  const std::vector<std::size_t> outer(unknown.begin(), unknown.begin() + std::ptrdiff_t(depth));
-  const LaneBlocks inner = lane_blocks({unknown.begin() + std::ptrdiff_t(depth), unknown.end()});
+  const auto inside = unknown.begin() + std::ptrdiff_t(depth);
+  return {unknown, {unknown.begin(), inside}, lane_blocks({inside, unknown.end()})};
+}
+
+std::vector<double> Posterior::outcome_products(std::span<const double> field, const Summation& plan) const {
+  const std::vector<std::size_t>& outer = plan.outer;
+  const LaneBlocks& inner = plan.inner;
+  const std::size_t depth = outer.size();
   const std::size_t hidden = field.size();
   // Level k: what the known and the first k unknown variables give.
   std::vector<std::vector<double>> inverse(depth + 1, std::vector<double>(hidden));
@@ -339,11 +336,10 @@ std::vector<double> Posterior::outcome_products(std::span<const double> field,
   return result;
 }
 
-std::optional<PosteriorAnswer> Posterior::sum_products(std::span<const double> field,
-                                                       const std::vector<std::size_t>& unknown) const {
-  if (!products_fit(field, unknown)) return std::nullopt;
+std::optional<PosteriorAnswer> Posterior::sum_products(std::span<const double> field, const Summation& plan) const {
+  if (!products_fit(field, plan.unknown)) return std::nullopt;
   PosteriorAnswer answer;
-  answer.probability = outcome_products(field, unknown);
+  answer.probability = outcome_products(field, plan);
   const double total = std::accumulate(answer.probability.begin(), answer.probability.end(), 0.0);
   for (double& p : answer.probability) p /= total;
   answer.standard_error.assign(outcome_count(), 0.0);

@@ -53,6 +53,15 @@ struct JointAnswer {
   bool exact = true;
 };
 
+/// Values of two variables in every combination.
+struct VariableGrid {
+  std::size_t first = 0, second = 1;  // variables
+  std::span<const double> first_values, second_values;
+};
+
+/// Bound on the estimated error of interpolated probabilities; see Posterior::on_grid().
+inline constexpr double kGridError = 1e-6;
+
 class Posterior {
  public:
   /// Empty `prior`: the machine's joint distribution. Throws InputError for a prior that does not match the layout.
@@ -63,6 +72,12 @@ class Posterior {
 
   /// Unknown variables are NaN.
   PosteriorAnswer marginal(std::span<const double> variables, const MarginalOptions& options = {}) const;
+
+  /// P(outcome) at every node of a grid over two known variables. `variables`: the other ones; those of the grid are
+  /// ignored. result: [first value][second value][outcome]. With all others known the answers are those of
+  /// operator() but for rounding. Where some are unknown, sums are taken at few nodes between the middles of bins and
+  /// interpolated; the error is estimated to stay below kGridError (docs/map.md).
+  void on_grid(std::span<const double> variables, const VariableGrid& grid, std::span<double> result) const;
 
   /// P(each unknown variable | known ones), and of the outcome, which may be known.
   JointAnswer joint(std::span<const double> variables, std::optional<std::size_t> outcome,
@@ -87,14 +102,17 @@ class Posterior {
   /// Sum over all combinations of bins of the unknown variables. sum_products() is several times faster, and returns
   /// nothing when a product could overflow a double .
   PosteriorAnswer sum_logarithms(const std::vector<double>& field, const std::vector<std::size_t>& unknown) const;
-  std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
-                                              const std::vector<std::size_t>& unknown) const;
   static constexpr std::size_t kLanes = OutcomeProducts::kLanes;
   void prepare_products();
   bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
-  struct LaneBlocks;  // posterior.cpp
+  struct LaneBlocks;  // posterior_parts.h
   LaneBlocks lane_blocks(const std::vector<std::size_t>& unknown) const;
-  std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
+  /// How sum_products() goes through the combinations of the unknown variables: the same for all known values.
+  struct Summation;  // posterior_parts.h
+  Summation summation(const std::vector<std::size_t>& unknown) const;
+  std::vector<double> outcome_products(std::span<const double> field, const Summation& plan) const;
+  std::optional<PosteriorAnswer> sum_products(std::span<const double> field, const Summation& plan) const;
+  void known_on_grid(std::span<const double> field, const VariableGrid& grid, std::span<double> result) const;
   std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>

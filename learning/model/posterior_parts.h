@@ -16,6 +16,21 @@ struct Posterior::Question {
   double terms = 1;  // number of combinations of bins
 };
 
+/// e^kMaxLog times any number of terms is finite in double; e^-kMaxLog is not 0.
+inline constexpr double kMaxLog = 600;
+
+/// All combinations of bins of some variables, kLanes at a time. The last block is filled up with weight 0.
+struct Posterior::LaneBlocks {
+  std::size_t count = 0;        // blocks
+  std::vector<double> inverse;  // exp(-field) [block][hidden][lane]
+  std::vector<double> weight;   // [block][lane]
+};
+
+struct Posterior::Summation {
+  std::vector<std::size_t> unknown, outer;  // variables; `outer`: the first of them, which are outside the blocks
+  LaneBlocks inner;
+};
+
 /// Index k with probability[k]. u: uniform in [0, 1).
 inline std::size_t draw(std::span<const double> probability, double u) {
   std::size_t k = 0;

@@ -124,24 +124,27 @@ Spreads family_values(const FamilyMember& m, const std::vector<Range>& sampled) 
 
 OutcomeModel model_of_member(const OutcomeModel& family, const FamilyMember& member) {
   OutcomeModel model = family;
-  const auto at_family = [member](const auto& answer) {
-    return [member, answer](std::span<const double> points, std::span<double> result) {
-      const std::size_t width = campaign::contract().variables.size();
-      std::vector<double> own;
-      own.reserve(points.size());
-      for (std::size_t i = 0; i < points.size(); i += width) {
-        const std::vector<double> point = family_point(member, points.subspan(i, width));
-        own.insert(own.end(), point.begin(), point.end());
-      }
-      answer(own, result);
-    };
+  const auto to_family = [member](std::span<const double> points) {
+    const std::size_t width = campaign::contract().variables.size();
+    std::vector<double> own;
+    own.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); i += width) {
+      const std::vector<double> point = family_point(member, points.subspan(i, width));
+      own.insert(own.end(), point.begin(), point.end());
+    }
+    return own;
+  };
+  const auto at_family = [to_family](const auto& answer) {
+    return [to_family, answer](std::span<const double> points, auto... rest) { answer(to_family(points), rest...); };
   };
   model.probabilities = at_family(family.probabilities);
+  if (family.on_slopes) model.on_slopes = at_family(family.on_slopes);
   for (auto& answer : model.members) answer = at_family(answer);
   if (family.novelty)
     model.novelty = [member, novelty = family.novelty](std::span<const double> point) {
       return novelty(family_point(member, point));
     };
+  if (family.novelty_uphill) model.novelty_uphill = at_family(family.novelty_uphill);
   for (const ScaledVariable& v : scaled_variables(member)) {
     model.sampled[v.variable].minimum *= v.factor;
     model.sampled[v.variable].maximum *= v.factor;

@@ -37,7 +37,11 @@ OutcomeModel outcome_model_of(const TrainedModel& trained) {
   model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
     predictor->outcome_probabilities(points, result);
   };
+  model.on_slopes =
+      kept_answers([predictor](std::span<const double> point) { return predictor->needs_summation(point); },
+                   [predictor](auto... asked) { predictor->on_slopes(asked...); });
   model.novelty = [predictor](std::span<const double> point) { return predictor->novelty(point); };
+  model.novelty_uphill = [predictor](auto... asked) { predictor->novelty_uphill(asked...); };
   if (!trained.is_up_to_date)
     model.remarks.push_back("the model was trained on other trials than those of " + trained.dataset_file.string() +
                             " beside it, which tell its vehicle and measures; train it again (gonogo train)");

@@ -126,6 +126,13 @@ struct ConeIndexNeed {
   double one_pass = 0, fifty_passes = 0;  // VCI1, VCI50: for one and for fifty passes [Pa]
 };
 
+/// P(go) of probabilities of outcomes [outcome count].
+double p_go_of(std::span<const double> outcome);
+
+/// See OutcomeModel::on_slopes.
+using SlopeAnswers = std::function<void(std::span<const double> points, std::span<const double> along,
+                                        std::span<const double> across, std::span<double> result)>;
+
 struct OutcomeModel {
   /// Box of the trials that answer for a point [variable count].
   const std::vector<Range>& box_of(std::span<const double> point) const {
@@ -136,6 +143,9 @@ struct OutcomeModel {
   /// points: [point count x variable count], row by row. result: [point count x outcome count]. Each row of the result
   /// sums to 1 and depends on its own point only.
   std::function<void(std::span<const double> points, std::span<double> result)> probabilities;
+  /// The same at every pair of slopes [deg], for points without a task; slopes in `points` are ignored. result:
+  /// [point][along][across][outcome]. Empty: `probabilities` is asked about every pair.
+  SlopeAnswers on_slopes;
   /// The same for bootstrap members of the model (pipeline/outcome/training/train_model.h). Their answers widen the
   /// interval on P(go). Empty: the uncertainty of the model is left out of the interval.
   std::vector<std::function<void(std::span<const double> points, std::span<double> result)>> members;
@@ -145,6 +155,9 @@ struct OutcomeModel {
   std::vector<Range> crossing_sampled;
   /// Distance of a point from the trials, as Predictor::novelty(). Empty: the map gets no novelty layer.
   std::function<double(std::span<const double> point)> novelty;
+  /// The same for a point without a task, straight uphill at slopes that rise [deg]. Empty: `novelty` is asked.
+  std::function<void(std::span<const double> point, std::span<const double> slopes, std::span<double> result)>
+      novelty_uphill;
   std::vector<MeasureFit> measures;  // fitted to trials that passed; empty without a dataset
   std::optional<SpeedModel> speed;   // none: no top speed is given
   std::vector<std::string> remarks;  // one sentence each, for readers of the map
@@ -157,6 +170,11 @@ struct OutcomeModel {
   bool whole_vehicle = false;               // measures are of all wheels, not of one
   std::optional<ConeIndexNeed> cone_index;  // of the vehicle; none: fine-grained soil is unknown
 };
+
+/// Gives what `answers` gives. Keeps the answers of points that `is_sum` tells to be sums, which cost most: entries of
+/// a soil table for a firm, a soft and an unmeasured soil, and soils with a sample in common, ask for the same.
+/// Thread-safe.
+SlopeAnswers kept_answers(std::function<bool(std::span<const double> point)> is_sum, SlopeAnswers answers);
 
 // Ditches on a map, answered by a model of trials that cross them.
 //

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/format.h"
+#include "base/parallel/host_loop.h"
 #include "base/units.h"
 #include "terrain/soil/soil.h"
 
@@ -223,20 +224,6 @@ void SoilPoints::find_outside() {
 
 campaign::Reason SoilPoints::reason_outside() const { return reason_of_unknown(Prospect{{}, 1, soft_share_}); }
 
-std::vector<double> SoilPoints::Asked::answers(const Probabilities& model, double slope_along,
-                                               double slope_across) const {
-  const std::size_t variables = campaign::contract().variables.size();
-  const std::size_t along = campaign::contract().variable_index("slope_along");
-  const std::size_t across = campaign::contract().variable_index("slope_across");
-  std::vector<double> points = value, result(count * campaign::contract().outcomes.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    points[i * variables + along] = slope_along;
-    points[i * variables + across] = slope_across;
-  }
-  if (count > 0) model(points, result);
-  return result;
-}
-
 Prospect SoilPoints::nothing_known() const {
   return {std::vector<double>(campaign::contract().outcomes.size(), 0.0), 1, soft_share_};
 }
@@ -249,100 +236,169 @@ bool SoilPoints::is_asked(double slope_along, double slope_across) const {
 
 namespace {
 
-/// Mean outcomes of rows of answers; empty without any.
-std::vector<double> mean_of(const std::vector<double>& answers, std::size_t rows) {
-  const std::size_t outcomes = campaign::contract().outcomes.size();
-  if (rows == 0) return {};
-  std::vector<double> mean(outcomes, 0.0);
-  for (std::size_t i = 0; i < rows; ++i)
-    for (std::size_t o = 0; o < outcomes; ++o) mean[o] += answers[i * outcomes + o] / double(rows);
-  return mean;
+/// Answers of a model that is asked about every pair of slopes by itself, in the order of SlopeAnswers.
+void ask_each(const std::function<void(std::span<const double>, std::span<double>)>& model,
+              std::span<const double> points, std::span<const double> along, std::span<const double> across,
+              std::span<double> result) {
+  const std::size_t variables = campaign::contract().variables.size(), pairs = along.size() * across.size();
+  const std::size_t v_along = campaign::contract().variable_index("slope_along"),
+                    v_across = campaign::contract().variable_index("slope_across");
+  std::vector<double> asked;
+  asked.reserve(points.size() * pairs);
+  for (std::size_t i = 0; i < points.size(); i += variables)
+    for (std::size_t k = 0; k < pairs; ++k) {
+      asked.insert(asked.end(), points.begin() + std::ptrdiff_t(i), points.begin() + std::ptrdiff_t(i + variables));
+      asked[asked.size() - variables + v_along] = along[k / across.size()];
+      asked[asked.size() - variables + v_across] = across[k % across.size()];
+    }
+  model(asked, result);
 }
 
-void append_p_go(const std::vector<double>& answers, std::vector<double>& p_go) {
-  const auto& outcomes = campaign::contract().outcomes;
-  for (std::size_t i = 0; i * outcomes.size() < answers.size(); ++i) {
-    double sum = 0;
-    for (std::size_t o = 0; o < outcomes.size(); ++o)
-      if (outcomes[o].verdict != campaign::Verdict::no_go) sum += answers[i * outcomes.size() + o];
-    p_go.push_back(sum);
-  }
-}
-
-/// Sums over the points of one alternative, or over all.
-struct PointSums {
-  std::size_t points = 0, sampled = 0, soft = 0;
-  double p_go = 0, soft_most = 0, outside_most = 0;
-
-  Estimate estimate() const {
-    const std::size_t outside = points - sampled - soft;
-    return {.p_go = sampled > 0 ? p_go / double(sampled) : 0,
-            .outside_share = 1 - double(sampled) / double(points),
-            .soft_share = double(soft) / double(points),
-            .soft_most = soft > 0 ? soft_most / double(soft) : 1,
-            .outside_most = outside > 0 ? outside_most / double(outside) : 1};
-  }
-};
+constexpr std::size_t kPointsAtOnce = 32;  // whose answers at all slopes are kept
 
 }  // namespace
 
-void SoilPoints::estimate(const std::vector<double>& sampled, const std::vector<double>& bounded,
-                          Prospect& prospect) const {
-  std::vector<double> p_sampled, p_bounded, most(all_.size(), 1.0);
-  append_p_go(sampled, p_sampled);
-  append_p_go(bounded, p_bounded);
-  std::vector<char> known(all_.size(), 0);
-  for (std::size_t k = 0; k < inside_.count; ++k) known[inside_.origin[k]] = 1, most[inside_.origin[k]] = p_sampled[k];
-  for (std::size_t k = 0; k < bounded_.count; ++k) most[bounded_.origin[k]] = p_bounded[k];
-  PointSums all;
-  std::vector<PointSums> part(alternatives_);
-  for (std::size_t i = 0; i < all_.size(); ++i)
-    for (PointSums* sums : {&all, &part[std::size_t(alternative_[i])]}) {
-      ++sums->points;
-      sums->sampled += std::size_t(known[i]);
-      sums->soft += std::size_t(soft_.is_soft[i]);
-      (known[i] ? sums->p_go : soft_.is_soft[i] ? sums->soft_most : sums->outside_most) += most[i];
+/// Sums over the points of one alternative, or over all.
+struct SoilPoints::SlopeSums {
+  struct Sums {
+    std::size_t points = 0, sampled = 0, soft = 0;  // the same at all slopes
+    double p_go = 0, soft_most = 0, outside_most = 0;
+
+    Estimate estimate() const {
+      const std::size_t outside = points - sampled - soft;
+      return {.p_go = sampled > 0 ? p_go / double(sampled) : 0,
+              .outside_share = 1 - double(sampled) / double(points),
+              .soft_share = double(soft) / double(points),
+              .soft_most = soft > 0 ? soft_most / double(soft) : 1,
+              .outside_most = outside > 0 ? outside_most / double(outside) : 1};
     }
-  const Estimate whole = all.estimate();
+  };
+  std::vector<double> sampled, bounded;  // [outcome] sums of what the points answer
+  std::vector<Sums> sums;                // of all points, then of each alternative if there are several
+
+  SlopeSums(std::size_t outcomes, std::size_t alternatives)
+      : sampled(outcomes, 0.0), bounded(outcomes, 0.0), sums(1 + (alternatives > 1 ? alternatives : 0)) {}
+
+  /// `most`: P(go) of the point, or the most that it may be.
+  void add(int alternative, bool is_sampled, bool is_soft, double most) {
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      if (k > 0 && k != 1 + std::size_t(alternative)) continue;
+      ++sums[k].points;
+      sums[k].sampled += std::size_t(is_sampled);
+      sums[k].soft += std::size_t(is_soft);
+      (is_sampled ? sums[k].p_go : is_soft ? sums[k].soft_most : sums[k].outside_most) += most;
+    }
+  }
+};
+
+std::vector<Prospect> SoilPoints::on_slopes(const OutcomeModel& model, std::span<const double> along,
+                                            std::span<const double> across, std::vector<Each>* each) const {
+  const std::size_t pairs = along.size() * across.size(), outcomes = campaign::contract().outcomes.size();
+  std::vector<Prospect> prospects(pairs, nothing_known());
+  if (each) each->assign(pairs, {});
+  if (inside_.count + bounded_.count == 0) return prospects;
+  const bool has_task = campaign::has_task_values(all_.front());
+  const auto ask = [&](std::span<const double> points, std::span<double> result) {
+    if (model.on_slopes && !has_task)
+      model.on_slopes(points, along, across, result);
+    else
+      ask_each(model.probabilities, points, along, across, result);
+  };
+  enum Kind : char { unanswered, sampled, bounded };
+  std::vector<Kind> kind(all_.size(), unanswered);
+  std::vector<const double*> value(all_.size(), nullptr);
+  const std::size_t variables = campaign::contract().variables.size();
+  for (const Asked* asked : {&inside_, &bounded_})
+    for (std::size_t k = 0; k < asked->count; ++k) {
+      kind[asked->origin[k]] = asked == &inside_ ? sampled : bounded;
+      value[asked->origin[k]] = asked->value.data() + k * variables;
+    }
+  std::vector<SlopeSums> sums(pairs, SlopeSums(outcomes, alternatives_));
+  for (std::size_t first = 0; first < all_.size(); first += kPointsAtOnce) {
+    const std::size_t last = std::min(all_.size(), first + kPointsAtOnce);
+    std::vector<double> points;
+    for (std::size_t i = first; i < last; ++i)
+      if (value[i]) points.insert(points.end(), value[i], value[i] + variables);
+    std::vector<double> answers(points.size() / variables * pairs * outcomes);
+    if (!points.empty()) ask(points, answers);
+    for_each_on_host(pairs, 64, [&](std::size_t pair) {
+      std::size_t k = 0;
+      for (std::size_t i = first; i < last; ++i) {
+        double most = 1;
+        if (kind[i] != unanswered) {
+          const auto answer = std::span<const double>(answers).subspan((k++ * pairs + pair) * outcomes, outcomes);
+          most = p_go_of(answer);
+          std::vector<double>& mean = kind[i] == sampled ? sums[pair].sampled : sums[pair].bounded;
+          const double count = double(kind[i] == sampled ? inside_.count : bounded_.count);
+          for (std::size_t o = 0; o < outcomes; ++o) mean[o] += answer[o] / count;
+          if (each) (kind[i] == sampled ? (*each)[pair].sampled : (*each)[pair].most).push_back(most);
+        }
+        sums[pair].add(alternative_[i], kind[i] == sampled, soft_.is_soft[i] != 0, most);
+      }
+    });
+  }
+  if (each) add_members(model, along, across, *each);
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    if (!is_asked(along[pair / across.size()], across[pair % across.size()])) {
+      if (each) (*each)[pair] = {};
+      continue;
+    }
+    prospects[pair] = prospect_of(sums[pair]);
+  }
+  return prospects;
+}
+
+Prospect SoilPoints::prospect_of(const SlopeSums& sums) const {
+  Prospect prospect = nothing_known();
+  if (inside_.count > 0) prospect.outcome = sums.sampled;
+  if (bounded_.count > 0) prospect.bounding = sums.bounded;
+  const Estimate whole = sums.sums.front().estimate();
   prospect.outside_share = whole.outside_share;
   prospect.soft_most = whole.soft_most;
   prospect.outside_most = whole.outside_most;
-  if (!has_alternatives()) return;
-  for (const PointSums& sums : part)
-    if (sums.points > 0) prospect.alternative.push_back(sums.estimate());
-}
-
-Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across, Each* each) const {
-  Prospect prospect = nothing_known();
-  if (each) *each = {};
-  if (!is_asked(slope_along, slope_across)) return prospect;
-  const std::vector<double> sampled = inside_.answers(model.probabilities, slope_along, slope_across),
-                            bounded = bounded_.answers(model.probabilities, slope_along, slope_across);
-  if (inside_.count > 0) prospect.outcome = mean_of(sampled, inside_.count);
-  prospect.bounding = mean_of(bounded, bounded_.count);
-  estimate(sampled, bounded, prospect);
-  if (!each) return prospect;
-  append_p_go(sampled, each->sampled);
-  append_p_go(bounded, each->most);
-  for (const Probabilities& member : model.members) {
-    append_p_go(inside_.answers(member, slope_along, slope_across), each->sampled);
-    append_p_go(bounded_.answers(member, slope_along, slope_across), each->most);
-  }
+  for (std::size_t k = 1; k < sums.sums.size(); ++k)
+    if (sums.sums[k].points > 0) prospect.alternative.push_back(sums.sums[k].estimate());
   return prospect;
 }
 
-double SoilPoints::novelty(const OutcomeModel& model, double slope_along, double slope_across) const {
-  double sum = 0;
-  const std::size_t stride = std::max<std::size_t>(1, all_.size() / 16);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i<all_.size(); i += all_.size()> 32 ? stride : 1) {
-    std::vector<double> point = all_[i];
-    ++count;
-    point[campaign::contract().variable_index("slope_along")] = slope_along;
-    point[campaign::contract().variable_index("slope_across")] = slope_across;
-    sum += model.novelty(point);
-  }
-  return sum / double(count);
+void SoilPoints::add_members(const OutcomeModel& model, std::span<const double> along, std::span<const double> across,
+                             std::vector<Each>& each) const {
+  const std::size_t pairs = each.size(), outcomes = campaign::contract().outcomes.size();
+  const std::size_t variables = campaign::contract().variables.size();
+  for (const Probabilities& member : model.members)
+    for (const Asked* asked : {&inside_, &bounded_})
+      for (std::size_t k = 0; k < asked->count; ++k) {
+        std::vector<double> answers(pairs * outcomes);
+        ask_each(member, std::span(asked->value).subspan(k * variables, variables), along, across, answers);
+        for (std::size_t pair = 0; pair < pairs; ++pair)
+          (asked == &inside_ ? each[pair].sampled : each[pair].most)
+              .push_back(p_go_of(std::span<const double>(answers).subspan(pair * outcomes, outcomes)));
+      }
+}
+
+Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
+  return on_slopes(model, {&slope_along, 1}, {&slope_across, 1}).front();
+}
+
+std::vector<double> SoilPoints::novelty_uphill(const OutcomeModel& model, std::span<const double> slopes) const {
+  const std::size_t stride = all_.size() > 32 ? std::max<std::size_t>(1, all_.size() / 16) : 1;
+  const std::size_t count = (all_.size() + stride - 1) / stride;
+  std::vector<std::vector<double>> of_point(count, std::vector<double>(slopes.size()));
+  for_each_on_host(count, 1, [&](std::size_t k) {
+    std::vector<double> point = all_[k * stride];
+    point[campaign::contract().variable_index("slope_across")] = 0;
+    if (model.novelty_uphill && !campaign::has_task_values(point))
+      return model.novelty_uphill(point, slopes, of_point[k]);
+    for (std::size_t i = 0; i < slopes.size(); ++i) {
+      point[campaign::contract().variable_index("slope_along")] = slopes[i];
+      of_point[k][i] = model.novelty(point);
+    }
+  });
+  std::vector<double> mean(slopes.size(), 0.0);
+  for (const std::vector<double>& novelty : of_point)
+    for (std::size_t i = 0; i < slopes.size(); ++i) mean[i] += novelty[i];
+  for (double& value : mean) value /= double(count);
+  return mean;
 }
 
 }  // namespace gonogo::map

@@ -60,12 +60,15 @@ class SoilPoints {
   };
   /// Mean outcome probabilities over the sampled points at these slopes [deg]; Prospect::p_go() is P(go). For slopes
   /// outside the sampled box outside_share is 1, every probability 0, and `each` empty.
-  Prospect at(const OutcomeModel& model, double slope_along, double slope_across, Each* each = nullptr) const;
+  Prospect at(const OutcomeModel& model, double slope_along, double slope_across) const;
+  /// The same at every pair of slopes, [along][across]; `each` in that order.
+  std::vector<Prospect> on_slopes(const OutcomeModel& model, std::span<const double> along,
+                                  std::span<const double> across, std::vector<Each>* each = nullptr) const;
   /// Whether at() asks the model at these slopes [deg].
   bool is_asked(double slope_along, double slope_across) const;
-  /// Mean of the model's novelty over all points, sampled or not; of more than 32 points over every k-th, 16 to 32 of
-  /// them. The model must have one.
-  double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
+  /// Mean of the model's novelty over all points, sampled or not, straight uphill at slopes that rise [deg]. Of more
+  /// than 32 points over every k-th, 16 to 32 of them. The model must have one.
+  std::vector<double> novelty_uphill(const OutcomeModel& model, std::span<const double> slopes) const;
 
   std::size_t sampled_count() const { return inside_.count; }
   std::size_t bounded_count() const { return bounded_.count; }
@@ -96,14 +99,17 @@ class SoilPoints {
     std::vector<std::size_t> origin;  // [count] in all_
     std::size_t count = 0;
     void add(const std::vector<double>& point, std::size_t index);
-    std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
   };
+  struct SlopeSums;  // soil_points.cpp
+  Prospect prospect_of(const SlopeSums& sums) const;
+  /// Appends what the model's members answer at every pair of slopes.
+  void add_members(const OutcomeModel& model, std::span<const double> along, std::span<const double> across,
+                   std::vector<Each>& each) const;
   void limit_strength();
   void divide();
   bool is_outside(const std::vector<double>& point) const;
   /// The point with its strength raised to what was sampled.
   std::vector<double> raised(std::vector<double> point) const;
-  void estimate(const std::vector<double>& sampled, const std::vector<double>& bounded, Prospect& prospect) const;
   void find_outside();
   Prospect nothing_known() const;
 

@@ -29,15 +29,17 @@ HeadingTable::HeadingTable(const OutcomeModel& model, const MapRules& rules, con
   across_count_ = std::max(0, last_step(across) - first_across_ + 1);
   outside_ = {{campaign::Verdict::unknown, points.reason_outside()}, {{}, 1, points.soft_share()}, kNoData};
   nodes_.assign(std::size_t(along_count_) * std::size_t(across_count_), outside_);
-  if (points.sampled_count() + points.bounded_count() > 0)
-    for_each_on_host(nodes_.size(), 64, [&](std::size_t i) {
-      HeadingAnswer& node = nodes_[i];
-      const int along_step = first_along_ + int(i) / across_count_,
-                across_step = first_across_ + int(i) % across_count_;
-      node.prospect = points.at(model, double(along_step) / kHeadingSteps, double(across_step) / kHeadingSteps);
-      node.result = classify(node.prospect, rules);
-      node.p_go = float(node.prospect.p_go());
-    });
+  std::vector<double> alongs, acrosses;
+  for (int i = 0; i < along_count_; ++i) alongs.push_back(double(first_along_ + i) / kHeadingSteps);
+  for (int j = 0; j < across_count_; ++j) acrosses.push_back(double(first_across_ + j) / kHeadingSteps);
+  if (points.sampled_count() + points.bounded_count() > 0) {
+    std::vector<Prospect> prospects = points.on_slopes(model, alongs, acrosses);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      nodes_[i].result = classify(prospects[i], rules);
+      nodes_[i].p_go = float(prospects[i].p_go());
+      nodes_[i].prospect = std::move(prospects[i]);
+    }
+  }
   steeper_.assign(std::size_t(across_count_), outside_);
   for (int j = 0; j < across_count_ && along_count_ > 0; ++j)
     if (node(along_count_ - 1, j).result.verdict == campaign::Verdict::no_go)
@@ -125,7 +127,14 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
   p_each_.resize(table_.size());
   uphill_.resize(table_.size());
   const int steepest = std::clamp(int(std::floor(sampled_slope_.maximum * kSlopeSteps)), 0, kLastStep);
-  for_each_on_host(std::size_t(steepest) + 1, 16, [&](std::size_t i) { table_[i] = answer_at(model, rules, int(i)); });
+  std::vector<double> slopes;
+  for (int i = 0; i <= kLastStep; ++i) slopes.push_back(i / kSlopeSteps);
+  const double level = 0;
+  const std::size_t sampled = std::size_t(steepest) + 1;
+  const std::vector<Prospect> prospects =
+      points_.on_slopes(model, std::span(slopes).first(sampled), {&level, 1}, &p_each_);
+  p_each_.resize(table_.size());
+  for (std::size_t i = 0; i < sampled; ++i) table_[i] = answer_at(prospects[i], rules, int(i));
   CellAnswer steeper;
   steeper.result = classify(points_.at(model, sampled_slope_.maximum, 0), rules);
   if (steeper.result.verdict != campaign::Verdict::no_go)
@@ -133,19 +142,21 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
   steeper.p_go = steeper.p_slow = steeper.speed = steeper.slip = steeper.sinkage = kNoData;
   steeper.outside_share = 1;
   std::fill(table_.begin() + steepest + 1, table_.end(), steeper);
+  std::vector<double> novelty;
+  if (model.novelty) {
+    for (double& slope : slopes) slope = std::min(slope, 89.9);
+    novelty = points_.novelty_uphill(model, slopes);
+  }
   for_each_on_host(table_.size(), 64, [&](std::size_t i) {
-    const double slope = double(i) / kSlopeSteps;
-    table_[i].headings = headings_.over_headings(slope);
-    table_[i].novelty = model.novelty ? float(points_.novelty(model, std::min(slope, 89.9), 0)) : kNoData;
+    table_[i].headings = headings_.over_headings(double(i) / kSlopeSteps);
+    table_[i].novelty = novelty.empty() ? kNoData : float(novelty[i]);
   });
 }
 
-CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& rules, int step) {
-  const double slope = step / kSlopeSteps;
-  const Prospect prospect = points_.at(model, slope, 0, &p_each_[std::size_t(step)]);
+CellAnswer SoilResponse::answer_at(const Prospect& prospect, const MapRules& rules, int step) {
   Uphill& uphill = uphill_[std::size_t(step)];
   uphill.bounds = bounds_of(prospect, rules);
-  if (points_.is_asked(slope, 0))
+  if (points_.is_asked(step / kSlopeSteps, 0))
     for (std::size_t o = 0; o < prospect.outcome.size(); ++o) uphill.reason_weight.push_back(prospect.reason_weight(o));
   CellAnswer answer;
   answer.result = classify(prospect, rules);

@@ -123,7 +123,7 @@ class SoilResponse {
 
  private:
   void tabulate(const OutcomeModel& model, const MapRules& rules);
-  CellAnswer answer_at(const OutcomeModel& model, const MapRules& rules, int step);
+  CellAnswer answer_at(const Prospect& prospect, const MapRules& rules, int step);
   void add_interval(double gradient_error, std::size_t models);
   void add_measures(const OutcomeModel& model);
   void add_speeds(const OutcomeModel& model, const MapRules& rules);

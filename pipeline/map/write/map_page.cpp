@@ -213,13 +213,14 @@ Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, 
   OutcomeModel alone = model;
   alone.members.clear();
   Blob blob{"drive_" + std::to_string(index), 16, std::size_t(across), std::vector<std::uint16_t>(kept * nodes, kNone)};
-  for_each_on_host(nodes, 8, [&](std::size_t node) {
-    SoilPoints::Each each;
-    const BedSlopes slopes = headings.slopes(stride * (int(node) / across), stride * (int(node) % across));
-    points.at(alone, slopes.along, slopes.across, &each);
-    for (std::size_t k = 0; k < kept && !each.sampled.empty(); ++k)
-      blob.value[k * nodes + node] = stored(each.sampled[k * skip]);
-  });
+  std::vector<double> alongs, acrosses;
+  for (int i = 0; i < along; ++i) alongs.push_back(headings.slopes(stride * i, 0).along);
+  for (int j = 0; j < across; ++j) acrosses.push_back(headings.slopes(0, stride * j).across);
+  std::vector<SoilPoints::Each> each;
+  if (kept > 0) points.on_slopes(alone, alongs, acrosses, &each);
+  for (std::size_t node = 0; node < each.size(); ++node)
+    for (std::size_t k = 0; k < kept && !each[node].sampled.empty(); ++k)
+      blob.value[k * nodes + node] = stored(each[node].sampled[k * skip]);
   if (kept > 0) blobs.push_back(std::move(blob));
   Json rows = Json::array();
   for (std::size_t k = 0; k < kept; ++k) {

@@ -25,6 +25,57 @@ Novelty::Novelty(const learning::Model& model)
 
 double Novelty::of(std::span<const double> point) const { return nearest(point, kNone) / typical_; }
 
+/// The squared distance to trial n is (x / w)^2 + c_n - 2 x x_n / w^2, so that the nearest trial at x is the least of
+/// straight lines in x: their lower envelope is found once.
+void Novelty::along(std::span<const double> point, std::size_t variable, std::span<const double> values,
+                    std::span<double> result) const {
+  std::vector<double> at(point.begin(), point.end());
+  const auto axis = std::find_if(axis_.begin(), axis_.end(), [&](const Axis& a) { return a.variable == variable; });
+  if (!complete_ || axis == axis_.end() || trials_ == 0) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      at[variable] = values[i];
+      result[i] = of(at);
+    }
+    return;
+  }
+  struct Line {
+    double slope, constant;
+    std::size_t trial;
+    double operator()(double x) const { return constant + slope * x; }
+  };
+  std::vector<Line> lines;
+  for (std::size_t n = 0; n < trials_; ++n) {
+    Line line{-2 * trial(n)[variable] / (axis->width * axis->width), 0, n};
+    for (const Axis& a : axis_) {
+      const double d =
+          (a.variable == variable ? trial(n)[variable] : trial(n)[a.variable] - point[a.variable]) / a.width;
+      if (!std::isnan(d)) line.constant += d * d;
+    }
+    lines.push_back(line);
+  }
+  std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) {
+    return a.slope != b.slope         ? a.slope > b.slope
+           : a.constant != b.constant ? a.constant < b.constant
+                                      : a.trial < b.trial;
+  });
+  std::vector<Line> lowest;  // from small x to large
+  for (const Line& line : lines) {
+    if (!lowest.empty() && lowest.back().slope == line.slope) continue;
+    const auto is_hidden = [&] {
+      const Line &a = lowest[lowest.size() - 2], &b = lowest.back();
+      return (line.constant - a.constant) * (a.slope - b.slope) <= (b.constant - a.constant) * (a.slope - line.slope);
+    };
+    while (lowest.size() > 1 && is_hidden()) lowest.pop_back();
+    lowest.push_back(line);
+  }
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    while (k + 1 < lowest.size() && lowest[k + 1](values[i]) < lowest[k](values[i])) ++k;
+    at[variable] = values[i];
+    result[i] = distance(at, lowest[k].trial) / typical_;
+  }
+}
+
 double Novelty::nearest(std::span<const double> point, std::size_t skip) const {
   if (complete_ && trials_ > 0) {
     const std::size_t n = nearest_trial(point, skip);

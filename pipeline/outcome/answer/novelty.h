@@ -17,6 +17,9 @@ class Novelty {
   /// Root mean square over the variables in units of the sampled ranges, divided by the median over trials of the
   /// distance to the nearest trial at another point: 0 on a trial, about 1 where trials are as dense as on average.
   double of(std::span<const double> point) const;
+  /// The same for many values of one variable, which rise; its value in `point` is ignored.
+  void along(std::span<const double> point, std::size_t variable, std::span<const double> values,
+             std::span<double> result) const;
 
  private:
   static constexpr std::size_t kNone = ~std::size_t(0);

@@ -164,6 +164,42 @@ void Predictor::outcome_probabilities(std::span<const double> points, std::span<
   });
 }
 
+void Predictor::on_slopes(std::span<const double> points, std::span<const double> along, std::span<const double> across,
+                          std::span<double> result) const {
+  const std::size_t width = model_->layout.variable_count(), count = points.size() / width;
+  const std::size_t outcomes = go_weight_.size(), answers = along.size() * across.size() * outcomes;
+  GONOGO_ASSERT(result.size() == count * answers);
+  const std::size_t v_along = campaign::contract().variable_index("slope_along"),
+                    v_across = campaign::contract().variable_index("slope_across");
+  learning::VariableGrid grid{v_along, v_across, along, across};
+  if (across.size() == 1) grid = {v_across, v_along, across, along};  // the second variable is computed side by side
+  const auto answer = [&](std::size_t n) {
+    const std::span<double> own = result.subspan(n * answers, answers);
+    posterior_.on_grid(points.subspan(n * width, width), grid, own);
+    if (model_->calibration_power == 1) return;
+    for (std::size_t i = 0; i < answers; i += outcomes)
+      learning::sharpen(own.subspan(i, outcomes), model_->calibration_power);
+  };
+  std::vector<std::size_t> known;
+  for (std::size_t n = 0; n < count; ++n) {
+    std::vector<double> point(points.begin() + std::ptrdiff_t(n * width),
+                              points.begin() + std::ptrdiff_t((n + 1) * width));
+    point[v_along] = point[v_across] = 0;
+    if (needs_summation(point))
+      answer(n);  // on all threads by itself
+    else
+      known.push_back(n);
+  }
+  for_each_on_host(known.size(), 1, [&](std::size_t k) { answer(known[k]); });
+}
+
+void Predictor::novelty_uphill(std::span<const double> variables, std::span<const double> slopes,
+                               std::span<double> result) const {
+  std::vector<double> point(variables.begin(), variables.end());
+  point[campaign::contract().variable_index("slope_across")] = 0;
+  novelty_.along(point, campaign::contract().variable_index("slope_along"), slopes, result);
+}
+
 std::string Predictor::outside_variable(std::span<const double> variables) const {
   for (std::size_t v = 0; v < variables.size(); ++v) {
     const double low = model_->sampled_lower[v], high = model_->sampled_upper[v];

@@ -58,19 +58,29 @@ class Predictor {
   void p_go(std::span<const double> points, std::span<double> result) const;
   void outcome_probabilities(std::span<const double> points, std::span<double> result) const;
 
+  /// P(outcome) of many points at every pair of slopes [deg]; the slopes in `points` are ignored. result:
+  /// [point][along] [across][outcome]. Unknown variables are summed out within kGridError, see
+  /// learning::Posterior::on_grid().
+  void on_slopes(std::span<const double> points, std::span<const double> along, std::span<const double> across,
+                 std::span<double> result) const;
+
   /// Whether every known variable lies in the range that trials sampled. A variable held fixed must equal that value.
   bool inside_sampled_box(std::span<const double> variables) const;
   /// Name of the first variable outside its sampled range, or "".
   std::string outside_variable(std::span<const double> variables) const;
   /// Distance from the trials; see Novelty::of.
   double novelty(std::span<const double> variables) const { return novelty_.of(variables); }
+  /// The same uphill, at slopes that rise [deg]; the slopes in `variables` are ignored.
+  void novelty_uphill(std::span<const double> variables, std::span<const double> slopes,
+                      std::span<double> result) const;
+  /// Whether a variable that the trials varied is unknown, so that answers are sums.
+  bool needs_summation(std::span<const double> point) const;
 
   const learning::Model& model() const { return *model_; }
 
  private:
   template <class Store>
   void for_each_point(std::span<const double> points, Store store) const;
-  bool needs_summation(std::span<const double> point) const;
   learning::PosteriorAnswer calibrated(learning::PosteriorAnswer answer) const;
 
   std::shared_ptr<const learning::Model> model_;
