@@ -60,7 +60,7 @@ struct VariableGrid {
 };
 
 /// Bound on the estimated error of interpolated probabilities; see Posterior::on_grid().
-inline constexpr double kGridError = 1e-6;
+inline constexpr double kGridError = 1e-5;
 
 class Posterior {
  public:

@@ -1,12 +1,12 @@
 // P(outcome) over a grid of two variables, such as the slopes along and across a heading.
 //
-// With all other variables known, exp(-field) of a node is a product of three parts: one of the point, one of the row and
-// one of the column. So the whole grid takes rows + columns exponentials instead of rows x columns.
+// With all other variables known, exp(-field) of a node is a product of three parts: one of the point, one of the row
+// and one of the column. So the whole grid takes rows + columns exponentials instead of rows x columns.
 //
 // Where variables are unknown, a node is a sum over thousands of combinations. Fields are linear in both variables
 // between the middles of their bins, so that P(outcome) is analytic there. It is interpolated by polynomials through
-// Chebyshev-Lobatto nodes of each patch between middles. Degrees double until the last Chebyshev coefficients fall below
-// kGridError; a patch with fewer nodes of the grid than that would take is summed node by node.
+// Chebyshev-Lobatto nodes of each patch between middles. Degrees double until the last Chebyshev coefficients fall
+// below kGridError; a patch with fewer nodes of the grid than that would take is summed node by node.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -73,9 +73,8 @@ class GridAxis {
     for (std::size_t i = 0; i < values.size(); ++i) {
       int left = 0;
       while (left + 2 < int(middles.size()) && values[i] >= middles[std::size_t(left) + 1]) ++left;
-      const double share = middles.size() < 2
-                               ? 0
-                               : std::clamp((values[i] - middle(left)) / (middle(left + 1) - middle(left)), 0.0, 1.0);
+      const double share =
+          middles.size() < 2 ? 0 : std::clamp((values[i] - middle(left)) / (middle(left + 1) - middle(left)), 0.0, 1.0);
       share_.push_back(share);
       Piece& piece = pieces.try_emplace(left, Piece{left * kMost, true, {}}).first->second;
       piece.is_point = piece.is_point && share == 0;
@@ -112,7 +111,9 @@ struct Patch {
   bool summed = false;              // node by node of the grid
 
   std::size_t grid_nodes() const { return first->values.size() * second->values.size(); }
-  static int node(const Piece& piece, int degree, int k) { return piece.first + (degree == 0 ? 0 : k * (kMost / degree)); }
+  static int node(const Piece& piece, int degree, int k) {
+    return piece.first + (degree == 0 ? 0 : k * (kMost / degree));
+  }
 };
 
 /// Interpolates `sum(x, y)`, the probabilities at values of both variables.
@@ -291,7 +292,8 @@ void Posterior::known_on_grid(std::span<const double> field, const VariableGrid&
     return;
   }
   const std::size_t blocks = (columns + kLanes - 1) / kLanes;
-  std::vector<double> inverse(blocks * hidden * kLanes, 1.0), common(hidden), product(products_.padded_outcomes() * kLanes);
+  std::vector<double> inverse(blocks * hidden * kLanes, 1.0), common(hidden),
+      product(products_.padded_outcomes() * kLanes);
   for (std::size_t i = 0; i < columns; ++i)
     for (std::size_t j = 0; j < hidden; ++j)
       inverse[(i / kLanes * hidden + j) * kLanes + i % kLanes] = std::exp(-of_column[i * hidden + j]);
@@ -343,7 +345,8 @@ void Posterior::on_grid(std::span<const double> variables, const VariableGrid& g
     std::copy(found->probability.begin(), found->probability.end(), answer.begin());
   };
   GONOGO_ASSERT(nodes_[grid.first].smooth && nodes_[grid.second].smooth);
-  const GridAxis first(nodes_[grid.first].middle, grid.first_values), second(nodes_[grid.second].middle, grid.second_values);
+  const GridAxis first(nodes_[grid.first].middle, grid.first_values),
+      second(nodes_[grid.second].middle, grid.second_values);
   GridInterpolation interpolation(first, second, grid, outcome_count(), sum);
   interpolation(result);
 }

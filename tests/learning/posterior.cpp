@@ -240,6 +240,79 @@ TEST_CASE("many combinations and outcomes are summed as the mean of single answe
   for (std::size_t y = 0; y < 7; ++y) CHECK(answer[y] == Approx(expected[y]).epsilon(1e-12));
 }
 
+namespace {
+
+VisibleLayout slope_layout() {
+  return VisibleLayout({Encoder::by_range("along", "deg", Code::thermometer, 9, -20, 30),
+                        Encoder::by_range("load", "kg", Code::thermometer, 5, 0, 1),
+                        Encoder::by_range("across", "deg", Code::thermometer, 5, -20, 20),
+                        Encoder::by_range("depth", "m", Code::thermometer, 5, 0, 1),
+                        Encoder::by_range("fixed", "m", Code::thermometer, 3, 1, 1)},
+                       {"go", "slow_go", "sinkage", "traction", "power", "timeout"});
+}
+
+std::vector<double> every(double first, double last, double step) {
+  std::vector<double> values;
+  for (int i = 0; first + i * step <= last; ++i) values.push_back(first + i * step);
+  return values;
+}
+
+/// Largest difference of on_grid() to marginal() at every node.
+double grid_error(const Posterior& posterior, std::vector<double> x, const std::vector<double>& along,
+                  const std::vector<double>& across) {
+  const std::size_t outcomes = posterior.outcome_count();
+  std::vector<double> answers(along.size() * across.size() * outcomes);
+  posterior.on_grid(x, {0, 2, along, across}, answers);
+  double most = 0;
+  for (std::size_t n = 0; n < along.size() * across.size(); ++n) {
+    x[0] = along[n / across.size()];
+    x[2] = across[n % across.size()];
+    const PosteriorAnswer expected = posterior.marginal(x);
+    for (std::size_t y = 0; y < outcomes; ++y)
+      most = std::max(most, std::abs(answers[n * outcomes + y] - expected.probability[y]));
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("on a grid of known variables every node is the answer at its point") {
+  const VisibleLayout layout = slope_layout();
+  const double size = GENERATE(0.5, 3.0, 300.0);  // products of the largest leave the range of double
+  const Posterior posterior(layout, random_machine(layout.unit_count(), 12, size, 21), uniform_prior(layout));
+  const std::vector<double> x = {kUnknown, 0.3, kUnknown, 0.8, 1};  // the grid's own do not count
+  CHECK(grid_error(posterior, x, every(-25, 35, 1.3), every(-25, 25, 1.7)) < 1e-12);
+  CHECK(grid_error(posterior, x, {3.5}, every(-25, 25, 0.5)) < 1e-12);
+  CHECK(grid_error(posterior, x, every(-25, 35, 0.5), {0}) < 1e-12);
+}
+
+TEST_CASE("on a grid with unknown variables sums are interpolated within the stated error") {
+  const VisibleLayout layout = slope_layout();
+  const double size = GENERATE(0.5, 3.0);
+  const bool with_prior = GENERATE(true, false);
+  const Posterior posterior(layout, random_machine(layout.unit_count(), 12, size, 22),
+                            with_prior ? uniform_prior(layout) : InputPrior());
+  const std::vector<double> x = {kUnknown, kUnknown, kUnknown, kUnknown, 1};
+  CHECK(grid_error(posterior, x, every(-25, 35, 0.5), every(-25, 25, 0.5)) < kGridError);
+  CHECK(grid_error(posterior, x, every(0, 35, 1 / 32.), {0}) < kGridError);
+  // A grid too coarse to interpolate on is summed node by node.
+  CHECK(grid_error(posterior, x, every(-25, 35, 13), every(-25, 25, 17)) == 0);
+}
+
+TEST_CASE("a grid has the same bits for any number of threads") {
+  const VisibleLayout layout = slope_layout();
+  const Posterior posterior(layout, random_machine(layout.unit_count(), 12, 2, 23), uniform_prior(layout));
+  const std::vector<double> x = {0, kUnknown, 0, kUnknown, 1}, along = every(-25, 35, 0.5), across = every(-25, 25, 1);
+  std::vector<std::vector<double>> answers;
+  for (const int threads : {1, 2, 5}) {
+    omp_set_num_threads(threads);
+    answers.emplace_back(along.size() * across.size() * posterior.outcome_count());
+    posterior.on_grid(x, {0, 2, along, across}, answers.back());
+  }
+  CHECK(answers[1] == answers[0]);
+  CHECK(answers[2] == answers[0]);
+}
+
 TEST_CASE("tempering answers where clamped chains without it stay in the mode they start in") {
   // Outcome and variable agree in one of two modes that are held by strong weights: P = 1/2 each by symmetry.
   const VisibleLayout layout({Encoder::by_range("a", "-", Code::thermometer, 9, 0, 9)}, {"go", "no_go"});
