@@ -2,13 +2,13 @@
 """Whether wheels of one shape answer alike at every size and gravity: points of the family of wheels, driven at three diameters
 and three gravities with grains, beds, steps, speeds and cohesions scaled.
 
-  scripts/family_scaling.py run out/scaling [--points 20] [--beds 3] [--device cuda] [--grain 32]   # resumes
+  scripts/family_scaling.py run out/scaling [--points 20] [--beds 3] [--device cuda] [--together 4] [--grain 32]   # resumes
   scripts/family_scaling.py report out/scaling
 
 Of wheels with the same numbers without dimension, slip is imposed, and pull and side force over the load, sinkage over the diameter and
 torque over load times radius must agree (docs/vehicles.md). The scatter is that of beds: each point stands on several. Needs Python alone.
 """
-import argparse, csv, json, math, pathlib, random, statistics, subprocess
+import argparse, concurrent.futures, csv, json, math, pathlib, random, statistics, subprocess
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
 STUDY = HERE / "configs/studies/wheel_family_32mm.json"
@@ -72,13 +72,20 @@ def run(options):
     options.folder.mkdir(parents=True, exist_ok=True)
     study = json.loads(STUDY.read_text())
     points = random_points(study, options.points)
-    for size in SIZES:
-        for gravity in GRAVITIES:
-            file = scaled_study(study, options.folder, points, options.beds, size, gravity, options.grain)
-            command = [options.gonogo, "campaign", "run", str(file), "--out", str(file.parent / "campaign"), "--device", options.device]
-            subprocess.run(command, check=True)
-            subprocess.run([options.gonogo, "dataset", "export", str(file.parent / "campaign/dataset.h5"), "--format", "csv", "--out",
-                            str(file.parent / "trials.csv")], check=True)
+    files = [scaled_study(study, options.folder, points, options.beds, size, gravity, options.grain)
+             for size in SIZES for gravity in GRAVITIES]
+    with concurrent.futures.ThreadPoolExecutor(options.together) as pool:
+        for _ in pool.map(lambda file: drive(file, options), files):
+            pass
+
+
+def drive(study, options):
+    """The campaign of a study, and its trials as a table beside it."""
+    campaign, table = study.parent / "campaign", study.parent / "trials.csv"
+    commands = (["campaign", "run", study, "--out", campaign, "--device", options.device],
+                ["dataset", "export", campaign / "dataset.h5", "--format", "csv", "--out", table])
+    for command in commands:
+        subprocess.run([options.gonogo, *map(str, command)], check=True)
 
 
 def measured(row, size, gravity):
@@ -133,6 +140,7 @@ def main():
         command.add_argument("--points", type=int, default=20)
         command.add_argument("--beds", type=int, default=3)
         command.add_argument("--device", default="cpu", choices=("cpu", "cuda"))
+        command.add_argument("--together", type=int, default=1, help="campaigns side by side: one leaves a GPU waiting for its beds")
         command.add_argument("--grain", type=int, default=32, choices=(32, 90), help="of wheels of 1 m [mm]")
     options = parser.parse_args()
     {"run": run, "report": report}[options.command](options)
