@@ -10,7 +10,7 @@ def test_the_program_trains_the_same_bytes(model_file, dataset_file, tmp_path):
 
 
 def test_a_held_out_set_is_scored(dataset_file, tmp_path):
-    model = gonogo.train(dataset_file, tmp_path / "model.h5", learning={"hidden": 4, "epochs": 10, "folds": 2}, hold_out=60)
+    model = gonogo.train(dataset_file, tmp_path / "model.h5", learning={"hidden": 4, "epochs": 10, "folds": 2, "teacher": 0}, hold_out=60)
     report = gonogo.evaluate(model, dataset_file)
     assert report["trials"] > 40
     assert report["scores"]

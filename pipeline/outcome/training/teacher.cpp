@@ -214,7 +214,8 @@ std::vector<std::size_t> graded_rows(const learning::TrainingTable& table) {
 
 }  // namespace
 
-Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others) : variables_(rows.variable_count) {
+Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others, bool is_graded)
+    : variables_(rows.variable_count) {
   if (!others.empty()) fidelity_.own = others.own;
   constexpr std::size_t kFewest = 10;  // trials of known speed that a regression takes
   constexpr double kRidge = 0.1;       // of a and b [nat]
@@ -222,7 +223,7 @@ Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others)
   const std::vector<int> label = passable_labels(table);
   plain_ = learning::fit_gaussian_process(table, label);
   const std::vector<std::size_t> known = graded_rows(table);
-  if (known.size() < kFewest) return;
+  if (!is_graded || known.size() < kFewest) return;
   learning::TrainingTable inputs = table.subset(known);
   inputs.variables = with_excess(inputs.variables, table.variable_count);
   ++inputs.variable_count;

@@ -87,8 +87,9 @@ std::vector<double> taught_points(const std::vector<double>& lower, const std::v
 
 class Teacher {
  public:
-  /// Learns these rows of the model's own trials and all others. Without margins only the first process.
-  Teacher(const learning::TrainingTable& rows, const OtherTrials& others);
+  /// Learns these rows of the model's own trials and all others. The second process takes two thirds of the time; it is
+  /// left out without margins, or where `is_graded` is false because only the baseline is asked.
+  Teacher(const learning::TrainingTable& rows, const OtherTrials& others, bool is_graded = true);
   /// P(go) of points at the own fidelity [point count x variables].
   std::vector<double> operator()(const std::vector<double>& points) const;
   /// The first process, alone a baseline: at its posterior mean.
