@@ -65,7 +65,8 @@ Counts run_examples(const std::vector<std::string>& examples) {
       const Json& entry = report.at("outcomes").at(outcome);
       std::printf("%s: %s %.4f +- %.4f, machine's own %.4f\n", line.c_str(), outcome, entry.at("frequency").number(),
                   entry.at("standard_error").number(), entry.at("machine").number());
-      CHECK(std::abs(entry.at("difference_in_errors").number()) <= 2);
+      // Of ten answers one lies beyond two standard errors by chance in four of ten sets, beyond three in one of forty.
+      CHECK(std::abs(entry.at("difference_in_errors").number()) <= 3);
     }
   }
   return counts;
