@@ -7,10 +7,5 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 program=${1:-build/cpu-release/gonogo}
 venv=$(mktemp -d)
-trap 'rm -rf "$venv"' EXIT
-python3 -m venv "$venv"
-if ! "$venv/bin/pip" install --quiet 'dimod==0.12.*' 'dwave-samplers==1.*'; then
-  say "annealer_speed: PyPI cannot be reached; nothing was measured"
-  exit 77
-fi
+install_from_pypi "$venv" "nothing was measured" 'dimod==0.12.*' 'dwave-samplers==1.*'
 OMP_NUM_THREADS=1 "$venv/bin/python" tests/interop/annealer_speed.py "$program"

@@ -76,3 +76,15 @@ build_gpu_program() {
   cmake --build build/cuda-release -j "$(nproc)" --target gonogo > build/gpu_build.log 2>&1 ||
     { grep -E 'error|FAILED' build/gpu_build.log | head; exit 1; }
 }
+
+# install_from_pypi <folder> <what is lost without them> <packages...>: into a virtual environment there, which goes when the
+# script ends. Exit status 77 where PyPI cannot be reached.
+install_from_pypi() {
+  # shellcheck disable=SC2064  # the folder of now
+  trap "rm -rf '$1'" EXIT
+  python3 -m venv "$1"
+  if ! "$1/bin/pip" install --quiet "${@:3}"; then
+    say "$(basename "$0" .sh): PyPI cannot be reached; $2"
+    exit 77
+  fi
+}

@@ -7,12 +7,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 program=${1:-build/cpu-release/gonogo}
 venv=$(mktemp -d)
-trap 'rm -rf "$venv"' EXIT
-python3 -m venv "$venv"
-if ! "$venv/bin/pip" install --quiet 'dimod==0.12.*' 'dwave-cloud-client[mocks]==0.14.*' 'dwave-samplers==1.*' \
-  'dwave-networkx==0.8.*' 'bqpjson==0.5.*'; then
-  say "interop: PyPI cannot be reached; the checks against the real clients were skipped"
-  exit 77
-fi
+install_from_pypi "$venv" "the checks against the real clients were skipped" 'dimod==0.12.*' 'dwave-cloud-client[mocks]==0.14.*' \
+  'dwave-samplers==1.*' 'dwave-networkx==0.8.*' 'bqpjson==0.5.*'
 "$venv/bin/python" tests/interop/ocean.py "$program" .
 /usr/bin/python3 tests/interop/files.py "$program"
