@@ -18,7 +18,7 @@ struct ContactBlock {
   Pack gap_bias;
   ImpulseT<Pack> impulse[2];  // of the latest two updates, alternating
   BodyIndex body_a[kPackWidth], body_b[kPackWidth];
-  Index slot_b[kPackWidth];  // of the wrench on body b; the last slot is unused by bodies
+  Index slot_b[kPackWidth];  // of the wrench on body b; without one, behind all bodies' slots, that of the tile
 };
 
 template <>
@@ -74,10 +74,10 @@ struct FillTile {
   void operator()(Index tile) const {
     const ContactRange range = tiles.contacts(tile);
     for (Index first = range.begin; first < range.end; first += kPackWidth)
-      fill(block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth], first, range.end);
+      fill(block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth], first, range.end, slot.size + tile);
   }
 
-  void fill(ContactBlock& out, ContactIndex first, ContactIndex end) const {
+  void fill(ContactBlock& out, ContactIndex first, ContactIndex end, Index unused) const {
     GONOGO_ASSERT(first < end && end <= contact.size);
     Pack field[kNumbers];
     for (int lane = 0; lane < kPackWidth; ++lane) {
@@ -88,11 +88,11 @@ struct FillTile {
       out.gap_bias[lane] = contact[i].gap_bias;
       out.body_a[lane] = contact[i].body_a;
       out.body_b[lane] = contact[i].body_b;
-      out.slot_b[lane] = slot[i] >= 0 ? slot[i] : slot.size;
+      out.slot_b[lane] = slot[i] >= 0 ? slot[i] : unused;
     }
     std::memcpy(static_cast<void*>(&out.numbers), field, sizeof field);
     fill_impulses(out, first, end);
-    for (int lane = end - first; lane < kPackWidth; ++lane) empty_lane(out, lane);
+    for (int lane = end - first; lane < kPackWidth; ++lane) empty_lane(out, lane, unused);
   }
 
   void fill_impulses(ContactBlock& out, ContactIndex first, ContactIndex end) const {
@@ -102,14 +102,14 @@ struct FillTile {
     out.impulse[1] = out.impulse[0];
   }
 
-  void empty_lane(ContactBlock& out, int lane) const {
+  void empty_lane(ContactBlock& out, int lane, Index unused) const {
     auto* field = reinterpret_cast<Real*>(&out.numbers);
     for (int f = 0; f < kNumbers; ++f) field[f * kPackWidth + lane] = 0;
     out.numbers.step.n[lane] = out.numbers.step.t[lane] = out.numbers.step.r[lane] = 1;
     for (ImpulseT<Pack>& p : out.impulse)
       p.linear.x[lane] = p.linear.y[lane] = p.linear.z[lane] = p.angular.x[lane] = p.angular.y[lane] =
           p.angular.z[lane] = 0;
-    out.slot_b[lane] = slot.size;
+    out.slot_b[lane] = unused;
   }
 };
 

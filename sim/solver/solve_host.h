@@ -125,7 +125,7 @@ inline bool all_done(const State<Cpu>& s, View<const Momentum> momentum) {
 inline void fill_blocks(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count) {
   own.block.resize(std::size_t(tile_count) * kBlocksPerTile);
   own.wrench_a.resize(s.contact_capacity);
-  own.wrench_b.resize(s.contact_capacity + 1);
+  own.wrench_b.resize(s.contact_capacity + tile_count);
   own.tile_sums.fill_zero(tile_count);
   own.tile_measures.resize(tile_count);
   own.motor_before.resize(s.mechanisms.motor.size());

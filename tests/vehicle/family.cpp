@@ -1,5 +1,8 @@
 // Numbers without dimension: canonical wheels have the numbers they were made from, at every size and gravity.
+#include <sstream>
+
 #include "base/files/csv.h"
+#include "base/files/file.h"
 #include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -33,6 +36,18 @@ TEST_CASE("a canonical wheel has the numbers it was made from, at every size and
       const Wheel& w = v.wheel.front();
       CHECK(kFamilyDensity * w.width * w.radius * w.radius / weigh(v).total == Approx(1 / (4 * kLugged.load)));
     }
+}
+
+TEST_CASE("the family at half a metre has the ranges of that at one metre") {
+  const auto without_size = [](const std::string& name) {
+    std::istringstream file(read_file(GONOGO_SOURCE_DIR "/configs/families/" + name + ".json"));
+    std::string kept;
+    for (std::string line; std::getline(file, line);)
+      if (line.find("\"about\"") == line.npos && line.find("\"diameter_m\"") == line.npos) kept += line + '\n';
+    return kept;
+  };
+  CHECK(without_size("wheeled_half_metre") == without_size("wheeled"));
+  CHECK(read_family(Config::read(GONOGO_SOURCE_DIR "/configs/families/wheeled_half_metre.json")).diameter == 0.5);
 }
 
 TEST_CASE("scaled wheels swing and turn alike in units of sqrt(D / g)") {
