@@ -3,6 +3,7 @@
 #include "base/files/shipped.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/face/inside.h"
+#include "pipeline/map/family_member.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/train_model.h"
@@ -58,7 +59,9 @@ TrainReport train(const TrainRequest& request) {
 
 Evaluation evaluate(const std::string& model, const std::filesystem::path& dataset) {
   return guarded([&] {
-    const outcome::Evaluation e = outcome::evaluate_model(map::find_model(model), dataset);
+    const std::filesystem::path file = map::find_model(model);
+    const outcome::Evaluation e =
+        outcome::evaluate_model(file, map::read_trials_for(map::read_trained_model(file), dataset), dataset.string());
     Evaluation result{.trials = e.trials,
                       .trained_on = e.trained_on,
                       .unknown = e.unknown,

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/error.h"
+#include "base/files/file.h"
 #include "base/format.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
@@ -163,6 +165,31 @@ campaign::Dataset trials_of_member(const campaign::Dataset& family, const Family
   return own;
 }
 
+campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMember& member,
+                                   const std::vector<Range>& sampled) {
+  const Spreads values = family_values(member, sampled);
+  campaign::Dataset result = own;
+  for (campaign::TrialRecord& record : result.records) {
+    std::vector<double>& point = record.point.variables;
+    for (const auto& [name, spread] : values) point[index(name.c_str())] = spread.low;
+    point = family_point(member, point);
+  }
+  return result;
+}
+
+campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesystem::path& file) {
+  campaign::Dataset own = campaign::read_dataset(file);
+  const std::string* text = campaign::input_text(own.provenance, "vehicle");
+  if (!model.family || (text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle")))) return own;
+  const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
+  if (!driven)
+    throw InputError(file.string() + ": does not hold the files of its vehicle and soil, so that the model " +
+                     model.file.string() + " of a family cannot be asked; give trials that hold them");
+  FamilyMember member = family_member(*model.family, model.gravity, driven->vehicle, driven->gravity);
+  if (!driven->compliant_tyres) member.numbers.wheel.deflection = 0;
+  return trials_in_family(own, member, sampled_box(model));
+}
+
 std::vector<std::string> numbers_outside(const FamilyMember& m, const std::vector<Range>& sampled) {
   std::vector<std::string> outside;
   for (const vehicle::PlacedNumber& n : numbers_of(m, sampled))
@@ -170,6 +197,41 @@ std::vector<std::string> numbers_outside(const FamilyMember& m, const std::vecto
       outside.push_back(n.name + line(" %.3g (", n.value) + vehicle::place_text(n) +
                         line(" %.3g to %.3g)", n.range.minimum, n.range.maximum));
   return outside;
+}
+
+std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family, const vehicle::Vehicle& vehicle,
+                                                         bool compliant_tyres, double gravity) {
+  const std::optional<std::filesystem::path> file =
+      family.empty() ? shipped_family_model() : std::optional(find_model(family));
+  if (!file) throw InputError("--from-family: no model of a family ships; name one with --family-model");
+  const TrainedModel model = read_trained_model(*file);
+  if (!model.family)
+    throw InputError(file->string() +
+                     ": is no model of a family of vehicles with its trials beside it; give one that is");
+  const std::vector<Range> box = sampled_box(model);
+  FamilyMember member = family_member(*model.family, model.gravity, vehicle, gravity);
+  if (!compliant_tyres) member.numbers.wheel.deflection = 0;
+  if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
+    throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
+                     "; leave --from-family out");
+  const Spreads values = family_values(member, box);
+  const auto answer = [=, predictor = model.predictor](const std::vector<double>& points) {
+    const std::size_t width = campaign::contract().variables.size();
+    std::vector<double> asked, p(points.size() / width);
+    for (std::size_t first = 0; first < points.size(); first += width) {
+      std::vector<double> point(points.begin() + std::ptrdiff_t(first), points.begin() + std::ptrdiff_t(first + width));
+      for (const auto& [name, spread] : values) point[index(name.c_str())] = spread.low;
+      point = family_point(member, point);
+      asked.insert(asked.end(), point.begin(), point.end());
+    }
+    predictor->p_go(asked, p);
+    return p;
+  };
+  return std::make_shared<const outcome::Forecast>(
+      outcome::Forecast{.hash = file_hash(*file),
+                        .about = "forecast of the family " + member.family.name + " for " + member.vehicle.name,
+                        .trials = model.dataset->records.size(),
+                        .p_go = answer});
 }
 
 }  // namespace gonogo::map

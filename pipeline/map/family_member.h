@@ -3,12 +3,15 @@
 // the family's numbers, and each measure comes back in the member's metres and newtons.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/map/evaluate/outcome_model.h"
+#include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/prior/forecast.h"
 #include "vehicle/family/vehicle_numbers.h"
 
 namespace gonogo::map {
@@ -45,6 +48,22 @@ OutcomeModel model_of_member(const OutcomeModel& family, const FamilyMember& mem
 /// The family's trials as the member would have driven them: points and measures at its scale. Energies and torques
 /// keep their share of the weight. Payloads are none.
 campaign::Dataset trials_of_member(const campaign::Dataset& family, const FamilyMember& member);
+
+/// A member's own trials as points of the family's, its numbers among their variables. Measures stay the member's.
+/// `sampled`: box of the family's model.
+campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMember& member,
+                                   const std::vector<Range>& sampled);
+
+/// The trials of a file in the variables of a model. Trials of one vehicle are put in the numbers of its family where
+/// the model is a family's; others are as the file has them. Throws InputError for a vehicle that is no member, and for
+/// trials that do not hold the file of their vehicle.
+campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesystem::path& dataset);
+
+/// What the model of a family says of a vehicle before any trial of its own. `family`: as find_model() takes it, or
+/// empty for the one that ships. Throws InputError where there is none, it is of no family, or the vehicle is no member
+/// of it or lies outside.
+std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family, const vehicle::Vehicle& vehicle,
+                                                         bool compliant_tyres, double gravity);
 
 /// Numbers of the member that lie outside the trials after that, such as "load_number 7.2 (44 % above 0.3 to 5)".
 std::vector<std::string> numbers_outside(const FamilyMember& member, const std::vector<Range>& sampled);

@@ -32,8 +32,7 @@ OutcomeModel outcome_model_of(const TrainedModel& trained) {
   OutcomeModel model;
   model.hash = file_hash(trained.file);
   model.gravity = trained.gravity;
-  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v)
-    model.sampled.push_back({predictor->model().sampled_lower[v], predictor->model().sampled_upper[v]});
+  model.sampled = sampled_box(trained);
   model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
     predictor->outcome_probabilities(points, result);
   };

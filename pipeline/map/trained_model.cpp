@@ -221,6 +221,13 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
   return model;
 }
 
+std::vector<Range> sampled_box(const TrainedModel& model) {
+  const learning::Model& of = model.predictor->model();
+  std::vector<Range> box;
+  for (std::size_t v = 0; v < of.sampled_lower.size(); ++v) box.push_back({of.sampled_lower[v], of.sampled_upper[v]});
+  return box;
+}
+
 bool crosses_ditches(const learning::Model& model) {
   const auto sampled = [&](const char* name) {
     return model.sampled_upper[campaign::contract().variable_index(name)] > 0;

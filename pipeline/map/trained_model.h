@@ -54,6 +54,9 @@ std::filesystem::path find_model(const std::string& model);
 /// InputError for files that cannot be read.
 TrainedModel read_trained_model(const std::filesystem::path& file, const std::filesystem::path& dataset = {});
 
+/// What the trials of the model sampled, by variable of the contract.
+std::vector<Range> sampled_box(const TrainedModel& model);
+
 /// Vehicles of the models that ship, those of ditches left out.
 std::vector<std::string> vehicles_with_models();
 

@@ -6,6 +6,7 @@
 
 #include "learning/rbm/train.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/map/family_member.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/train_model.h"
 #include "python/src/binding.h"
@@ -90,7 +91,10 @@ Fitted fit(const ArrayIn<double, 2>& rows, const ArrayIn<std::int64_t, 1>& outco
 }
 
 Members evaluate(const std::string& model, const std::string& dataset) {
-  return members_of(long_call([&] { return outcome::to_json(outcome::evaluate_model(model, dataset)); }));
+  return members_of(long_call([&] {
+    const campaign::Dataset trials = map::read_trials_for(map::read_trained_model(model), dataset);
+    return outcome::to_json(outcome::evaluate_model(model, trials, dataset));
+  }));
 }
 
 }  // namespace

@@ -50,6 +50,26 @@ TEST_CASE("the family at half a metre has the ranges of that at one metre") {
   CHECK(read_family(Config::read(GONOGO_SOURCE_DIR "/configs/families/wheeled_half_metre.json")).diameter == 0.5);
 }
 
+TEST_CASE("axles carry the weight, and its moment about the first axle, on level ground and on slopes") {
+  for (const int axles : {2, 3, 4})
+    for (const double slope : {0.0, 0.2}) {
+      VehicleNumbers v;
+      v.axles = axles;
+      v.axle_gap = 1.5;
+      v.centre_height = 0.9;
+      v.centre_behind = 0.45;
+      const double base = v.axle_gap + axles - 1;
+      double sum = 0, moment = 0;
+      const std::vector<double> shares = axle_shares(v, slope);
+      for (int i = 0; i < axles; ++i) {
+        sum += shares[std::size_t(i)];
+        moment += shares[std::size_t(i)] * base * i / (axles - 1);
+      }
+      CHECK(sum == Approx(1));
+      CHECK(moment == Approx(0.45 * base + 0.9 * std::tan(slope)));
+    }
+}
+
 TEST_CASE("scaled wheels swing and turn alike in units of sqrt(D / g)") {
   const Family one = shipped_family();
   Family small = one;

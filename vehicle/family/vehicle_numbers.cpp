@@ -101,6 +101,22 @@ Vehicle canonical_vehicle(const Family& f, const VehicleNumbers& n, double gravi
   return read_vehicle(Config::parse(vehicle_file(s).json.dump(), f.name));
 }
 
+std::vector<double> axle_shares(const VehicleNumbers& v, double slope) {
+  const double n = v.axles, base = v.axle_gap + n - 1;
+  const double centre = v.centre_behind * base + v.centre_height * std::tan(slope);  // of pressure, behind the first
+  double spread = 0;
+  for (int i = 0; i < v.axles; ++i) spread += std::pow(base * (i / (n - 1) - 0.5), 2);
+  std::vector<double> shares;
+  for (int i = 0; i < v.axles; ++i)
+    shares.push_back(std::max(0.0, 1 / n + (centre - base / 2) * base * (i / (n - 1) - 0.5) / spread));
+  double sum = 0;
+  for (const double share : shares) sum += share;
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
+double drive_force(const VehicleNumbers& n, double speed) { return std::min(n.force, n.power / speed); }
+
 std::vector<PlacedNumber> placed(const Family& f, const VehicleNumbers& n) {
   std::vector<PlacedNumber> list{
       {"load_number", "load of a wheel over the weight of soil in width times diameter squared", n.wheel.load, {}},

@@ -28,6 +28,13 @@ VehicleNumbers loaded(VehicleNumbers numbers, double mass_ratio);
 /// as those of canonical_wheel(). Throws InputError for numbers that no vehicle has, such as overlapping wheels.
 Vehicle canonical_vehicle(const Family& family, const VehicleNumbers& numbers, double gravity);
 
+/// Loads of the axles over the weight, front to rear, on a slope along the vehicle [rad], uphill positive: a rigid
+/// vehicle on equal springs. None is negative; their sum is 1.
+std::vector<double> axle_shares(const VehicleNumbers& numbers, double slope);
+
+/// Largest tractive force over the weight at a speed over sqrt(g D).
+double drive_force(const VehicleNumbers& numbers, double speed);
+
 /// A number with its name, its value and the family's range.
 struct PlacedNumber {
   std::string name, about;

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "learning/model/model.h"
 #include "pipeline/app/cli/work.h"
+#include "pipeline/map/family_member.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/report.h"
@@ -23,7 +24,8 @@ void evaluate(const Globals& globals, const EvaluateOptions& options) {
   outcome::Scores scores;
   std::vector<outcome::MissingPoint> missing;
   if (held_out) {
-    outcome::Evaluation evaluation = outcome::evaluate_model(model, options.dataset, options.rows);
+    const campaign::Dataset trials = map::read_trials_for(map::read_trained_model(model), options.dataset);
+    outcome::Evaluation evaluation = outcome::evaluate_model(model, trials, options.dataset.string(), options.rows);
     report = outcome::to_json(evaluation);
     text = outcome::evaluation_text(evaluation);
     scores = std::move(evaluation.scores);
@@ -49,9 +51,11 @@ void add_evaluate_command(CLI::App& app, const Globals& globals) {
       "on held-out trials or by cross-validation");
   const auto options = std::make_shared<EvaluateOptions>();
   add_named(*command, "--model", options->model, kModel, "Model file, or name of one that ships")->required();
-  add_named(*command, "--dataset", options->dataset, kFile,
-            "Held-out trials (dataset.h5); trials that the model was trained on are left out. Without it, the "
-            "cross-validation made when the model was trained is shown");
+  add_named(
+      *command, "--dataset", options->dataset, kFile,
+      "Held-out trials (dataset.h5); trials that the model was trained on are left out. A family's model is asked "
+      "at the numbers of the vehicle that the trials drove. Without it, the cross-validation made when the model "
+      "was trained is shown");
   add_named(*command, "--out", options->out, kFolder,
             "Folder for evaluation.json, reliability.csv, missing.csv and evaluation.png");
   add_named(*command, "--rows", options->rows, kFile,
@@ -59,7 +63,8 @@ void add_evaluate_command(CLI::App& app, const Globals& globals) {
   add_examples(*command, {"gonogo evaluate --model out/demo/model.h5",
                           "gonogo train --dataset dataset.h5 --hold-out 1000 --out model.h5",
                           "gonogo evaluate --model model.h5 --dataset dataset.h5  # on the 1000 held out",
-                          "gonogo evaluate --model hmmwv --dataset data/hmmwv_32mm/fresh.h5 --out out/scores --json"});
+                          "gonogo evaluate --model hmmwv --dataset data/hmmwv_32mm/fresh.h5 --out out/scores --json",
+                          "gonogo evaluate --model out/family/model.h5 --dataset data/hmmwv_32mm/fresh.h5"});
   calls<evaluate>(*command, globals, options);
 }
 

@@ -1,7 +1,9 @@
 #include <memory>
 
+#include "base/error.h"
 #include "pipeline/app/cli/work.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/map/family_member.h"
 #include "pipeline/outcome/training/teacher.h"
 #include "pipeline/outcome/training/train_model.h"
 
@@ -14,7 +16,20 @@ struct TrainOptions {
   std::optional<std::uint64_t> seed;            // nothing: the study's, or 1
   int members = 0;                              // models on reweighted trials
   std::size_t hold_out = 0;                     // trials
+  bool from_family = false;
+  std::string family;  // model; empty: the one that ships
 };
+
+/// Of the vehicle that the trials drove.
+std::shared_ptr<const outcome::Forecast> forecast_of(const TrainOptions& options, const std::filesystem::path& trials) {
+  if (!options.from_family) return nullptr;
+  const auto driven = map::trial_vehicle(campaign::read_dataset(trials).provenance, trials.string());
+  if (!driven)
+    throw InputError(trials.string() +
+                     ": does not hold the file of one vehicle, for which --from-family asks its "
+                     "family; leave it out");
+  return map::family_forecast(options.family, driven->vehicle, driven->compliant_tyres, driven->gravity);
+}
 
 outcome::TrainRequest to_request(const TrainOptions& options) {
   const std::vector<std::filesystem::path> datasets = outcome::finest_first(options.datasets);
@@ -25,6 +40,7 @@ outcome::TrainRequest to_request(const TrainOptions& options) {
                                 .design = {},
                                 .hold_out = options.hold_out,
                                 .others = {datasets.begin() + 1, datasets.end()},
+                                .forecast = forecast_of(options, datasets.front()),
                                 .members_follow = options.members > 0};
   if (options.study.empty()) return request;
   const campaign::Study study = campaign::read_study(options.study);
@@ -69,10 +85,16 @@ void add_train_command(CLI::App& app, const Globals& globals) {
       ->add_option("--members", options->members,
                    "Also train so many models on reweighted trials, for the spread of the model in maps")
       ->check(CLI::Range(0, 100));
+  CLI::Option* from_family =
+      command->add_flag("--from-family", options->from_family,
+                        "Start from the forecast of the model of the vehicle's family, which own trials correct");
+  add_named(*command, "--family-model", options->family, kModel, "Model of the family; default: the one that ships")
+      ->needs(from_family);
   add_examples(
       *command,
       {"gonogo train --dataset out/demo/dataset.h5 --study configs/studies/quarter_wheel_90mm.json --out out/coarse.h5",
-       "gonogo train --dataset out/fine/dataset.h5 out/coarse/dataset.h5 --out out/fine/model.h5"});
+       "gonogo train --dataset out/fine/dataset.h5 out/coarse/dataset.h5 --out out/fine/model.h5",
+       "gonogo train --dataset out/buggy/dataset.h5 --from-family --out out/buggy/model.h5"});
   calls<train>(*command, globals, options);
 }
 

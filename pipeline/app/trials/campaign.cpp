@@ -9,6 +9,7 @@
 #include "pipeline/campaign/engine/cluster/slurm.h"
 #include "pipeline/campaign/engine/study_campaign.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/map/family_member.h"
 #include "pipeline/outcome/active/active_run.h"
 
 #ifdef GONOGO_WITH_MPI
@@ -238,16 +239,29 @@ struct ActiveOptions {
   campaign::ComputeRequest compute;
   std::uint64_t seeds = 64, batch = 32, max_points = 1000;
   double confidence = 0.95, space_filling = 0.25;
+  bool from_family = false;
+  std::string family;  // model; empty: the one that ships
 };
 
+std::shared_ptr<const outcome::Forecast> forecast_of(const ActiveOptions& options, const campaign::Study& study) {
+  if (!options.from_family) return nullptr;
+  if (study.vehicle.empty())
+    throw InputError(options.study.string() + ": names no vehicle, for which --from-family asks its family; name one");
+  const auto trial = study.config.object_if("trial");
+  return map::family_forecast(options.family, vehicle::read_vehicle(study.vehicle),
+                              trial && trial->boolean_or("compliant_tyres", false), study.gravity);
+}
+
 void run_active(const Globals& globals, const ActiveOptions& options) {
-  const outcome::ActiveSummary done = outcome::run_active({.study = campaign::read_study(options.study),
+  const campaign::Study study = campaign::read_study(options.study);
+  const outcome::ActiveSummary done = outcome::run_active({.study = study,
                                                            .folder = options.folder,
                                                            .compute = options.compute,
                                                            .seeds = options.seeds,
                                                            .batch = options.batch,
                                                            .max_points = options.max_points,
                                                            .confidence = options.confidence,
+                                                           .forecast = forecast_of(options, study),
                                                            .space_filling = options.space_filling});
   Json result = campaign_json(done.campaign);
   result["points"] = done.points;
@@ -273,7 +287,13 @@ void add_active(CLI::App& parent, const Globals& globals) {
              "Stop when the model expects to be right in this share");
   add_number(*command, "--space-filling", active->space_filling, {0.01, 1.0},
              "Share of a batch that is uniform over the box");
-  add_examples(*command, {"gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95"});
+  CLI::Option* from_family =
+      command->add_flag("--from-family", active->from_family,
+                        "Start from the forecast of the model of the vehicle's family: first trials and models");
+  add_named(*command, "--family-model", active->family, kModel, "Model of the family; default: the one that ships")
+      ->needs(from_family);
+  add_examples(*command, {"gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95",
+                          "gonogo campaign active buggy_study.json --out out/buggy --from-family"});
   command->callback([options, active, command, &globals] {
     active->study = options->study;
     active->folder = options->folder;

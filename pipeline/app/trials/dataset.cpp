@@ -1,12 +1,16 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/error.h"
 #include "base/files/file.h"
+#include "base/format.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/campaign/dataset/check.h"
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/engine/study_campaign.h"
+#include "pipeline/map/family_member.h"
+#include "pipeline/map/rivals.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/importance/dataset_report.h"
 #include "pipeline/report/figure/captioned.h"
@@ -51,6 +55,45 @@ void add_export(CLI::App& parent, const Globals& globals) {
     result["trials"] = std::uint64_t(dataset.records.size());
     result["hash"] = content_hash(text);
     print_result(globals, result, options->out + ": " + std::to_string(dataset.records.size()) + " trials");
+  });
+}
+
+/// A row of every valid trial: variables in the family's numbers, whether it passed, forecasts.
+std::string forecasts_csv(const map::TrainedModel& family, const campaign::Dataset& trials) {
+  std::string text;
+  for (const campaign::Variable& variable : campaign::contract().variables) text += variable.name + ",";
+  text += "passed,p_go";
+  for (const std::string& name : map::rival_names()) text += "," + name;
+  text += "\n";
+  for (const campaign::TrialRecord& trial : trials.records) {
+    if (trial.verdict == campaign::Verdict::unknown) continue;
+    for (const double value : trial.point.variables) text += line("%.17g,", value);
+    text += line("%d,%.6g", campaign::passes(trial.verdict), family.predictor->p_go(trial.point.variables));
+    for (const double margin : map::rival_margins(trial.point.variables)) text += line(",%.5f", margin);
+    text += "\n";
+  }
+  return text;
+}
+
+void add_forecasts(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand(
+      "forecasts",
+      "Every trial in the numbers of a family, with forecasts of its model and of semi-empirical relations");
+  auto options = std::make_shared<DatasetOptions>();
+  add_named(*command, "dataset", options->dataset, kFile, "Dataset (HDF5) of a vehicle, or of the family")->required();
+  add_named(*command, "--model", options->model, kModel, "Model of a family of whole vehicles")->required();
+  add_named(*command, "--out", options->out, kFile, "Table to write (CSV)")->required();
+  add_examples(*command, {"gonogo dataset forecasts data/hmmwv_32mm/fresh.h5 --model out/family/model.h5 --out t.csv"});
+  command->callback([options, &globals] {
+    const map::TrainedModel family = map::read_trained_model(map::find_model(options->model));
+    if (!family.family)
+      throw InputError(options->model + ": is no model of a family of vehicles with its trials beside it; give one");
+    const campaign::Dataset trials = map::read_trials_for(family, options->dataset);
+    write_file_atomically(options->out, forecasts_csv(family, trials));
+    Json result = Json::object();
+    result["out"] = options->out;
+    result["trials"] = std::uint64_t(trials.records.size());
+    print_result(globals, result, options->out + ": " + std::to_string(trials.records.size()) + " trials");
   });
 }
 
@@ -196,6 +239,7 @@ void add_dataset_command(CLI::App& app, const Globals& globals) {
   add_examples(*command, {"gonogo dataset summary out/demo/dataset.h5"});
   add_summary(*command, globals);
   add_export(*command, globals);
+  add_forecasts(*command, globals);
   add_merge(*command, globals);
   add_verify(*command, globals);
   add_diff(*command, globals);

@@ -53,17 +53,33 @@ ModelAnswers answers_of(const Predictor& predictor) {
 }
 
 /// study: the one of the table.
-Predictor train(const campaign::Study& study, const fs::path& folder, const fs::path& dataset) {
+Predictor train(const campaign::Study& study, const fs::path& folder, const fs::path& dataset,
+                const std::shared_ptr<const Forecast>& forecast) {
   const fs::path model = folder / "model.h5";
   train_model({.dataset = dataset,
                .model = model,
                .seed = study.seed,
                .learning = study.config.object_if("learning"),
-               .design = study.config.object_if("design")});
+               .design = study.config.object_if("design"),
+               .forecast = forecast});
   return Predictor::read(model);
 }
 
-std::vector<campaign::DesignPoint> first_batch(campaign::DesignSpec spec, std::uint64_t count) {
+/// A forecast knows no trial, so that no point is far from the others.
+ModelAnswers answers_of(const Forecast& forecast) {
+  return {.p_go =
+              [&](std::span<const double> points, std::span<double> p) {
+                const std::vector<double> answers = forecast.p_go({points.begin(), points.end()});
+                std::copy(answers.begin(), answers.end(), p.begin());
+              },
+          .novelty = [](std::span<const double>) { return 1.0; }};
+}
+
+std::vector<campaign::DesignPoint> first_batch(campaign::DesignSpec spec, const ActiveRequest& request) {
+  const std::uint64_t count = request.seeds;
+  if (request.forecast)
+    return choose_batch(spec, answers_of(*request.forecast),
+                        {.count = count, .space_filling = request.space_filling, .candidates = kCandidates * count});
   spec.method = "sobol";
   spec.points = count;
   spec.replicate_every = 0;
@@ -107,7 +123,7 @@ ActiveSummary run_active(const ActiveRequest& request) {
   fs::create_directories(request.folder);
   const fs::path file = request.folder / kPointFile;
   ActiveSummary summary;
-  if (listed_points(file, box) == 0) append_points(file, box, first_batch(box, request.seeds));
+  if (listed_points(file, box) == 0) append_points(file, box, first_batch(box, request));
   const campaign::Study study = study_of_table(request, box);
   for (;;) {
     summary.points = listed_points(file, box);
@@ -115,7 +131,7 @@ ActiveSummary run_active(const ActiveRequest& request) {
     summary.campaign = campaign::run_campaign(campaign::plan_study_campaign(study, request.folder, request.compute));
     summary.campaign.computed += computed;
     summary.campaign.reused = summary.campaign.trials - summary.campaign.computed;
-    const Predictor predictor = train(study, request.folder, summary.campaign.dataset);
+    const Predictor predictor = train(study, request.folder, summary.campaign.dataset, request.forecast);
     summary.confidence = 1 - expected_error(box, answers_of(predictor));
     summary.reached = summary.confidence >= request.confidence;
     log_line("active", line("%llu points: the model expects to be right in %.1f %% of the box",

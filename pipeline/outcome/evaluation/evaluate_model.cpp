@@ -49,7 +49,7 @@ struct Comparison {
   Evaluation evaluation;  // counts, outcome log loss and joint scores
 };
 
-Comparison compare(const std::filesystem::path& model, const std::filesystem::path& dataset,
+Comparison compare(const std::filesystem::path& model, const campaign::Dataset& dataset, const std::string& where,
                    const std::filesystem::path& rows_file) {
   const std::optional<learning::TrainingTable> given =
       rows_file.empty() ? std::nullopt : std::optional(read_given_rows(rows_file));
@@ -57,7 +57,7 @@ Comparison compare(const std::filesystem::path& model, const std::filesystem::pa
       .predictor = Predictor::read(model), .trained = {}, .unseen = {}, .forecasts = {}, .evaluation = {}};
   const Predictor& predictor = result.predictor;
   result.trained = training_table(predictor.model());
-  const TrainingData data = make_training_data(campaign::read_dataset(dataset).records, {});
+  const TrainingData data = make_training_data(dataset.records, {});
   const std::vector<int> passable = passable_outcomes();
   std::set<std::vector<double>> seen;
   for (std::size_t n = 0; n < result.trained.row_count(); ++n) seen.insert(comparable(result.trained.row(n)));
@@ -73,8 +73,7 @@ Comparison compare(const std::filesystem::path& model, const std::filesystem::pa
     outcome_loss -= std::log(p[data.table.outcome[n]]);
   }
   if (rows.empty())
-    throw InputError(dataset.string() +
-                     ": all its valid trials were trained on; give trials that the model has not seen");
+    throw InputError(where + ": all its valid trials were trained on; give trials that the model has not seen");
   result.unseen = data.table.subset(rows);
   result.evaluation.trials = rows.size();
   result.evaluation.unknown = data.failed;
@@ -86,9 +85,14 @@ Comparison compare(const std::filesystem::path& model, const std::filesystem::pa
 
 }  // namespace
 
-Evaluation evaluate_model(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
+Evaluation evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset,
                           const std::filesystem::path& rows) {
-  Comparison compared = compare(model_file, dataset, rows);
+  return evaluate_model(model, campaign::read_dataset(dataset), dataset.string(), rows);
+}
+
+Evaluation evaluate_model(const std::filesystem::path& model_file, const campaign::Dataset& trials,
+                          const std::string& where, const std::filesystem::path& rows) {
+  Comparison compared = compare(model_file, trials, where, rows);
   const Predictor& predictor = compared.predictor;
   const Baselines baselines = fit_baselines(compared.trained, passable_labels(compared.trained));
   compared.forecasts.baselines = baselines.forecasts(compared.unseen.variables);
@@ -108,7 +112,7 @@ Evaluation evaluate_model(const std::filesystem::path& model_file, const std::fi
 
 Evaluation evaluate_joint(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
                           const std::filesystem::path& rows) {
-  Comparison compared = compare(model_file, dataset, rows);
+  Comparison compared = compare(model_file, campaign::read_dataset(dataset), dataset.string(), rows);
   compared.evaluation.scores = score_forecasts(compared.forecasts, 1);
   return std::move(compared.evaluation);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/json/json.h"
+#include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/outcome/evaluation/hidden_inputs.h"
 #include "pipeline/outcome/evaluation/joint_scores.h"
 #include "pipeline/outcome/evaluation/scores.h"
@@ -65,6 +66,9 @@ std::vector<std::filesystem::path> write_evaluation(const std::filesystem::path&
 /// which takes too long for so many answers. `rows`: CSV of rows (read_given_rows()) that the joint scores take, too;
 /// empty for none. Throws InputError if no trial is left to score.
 Evaluation evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset,
+                          const std::filesystem::path& rows = {});
+/// The same of these trials, which `where` names.
+Evaluation evaluate_model(const std::filesystem::path& model, const campaign::Dataset& trials, const std::string& where,
                           const std::filesystem::path& rows = {});
 
 /// The part of it that takes seconds: the counts, the scores of the model alone, and the joint scores.

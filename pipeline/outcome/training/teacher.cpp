@@ -16,6 +16,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/design/sobol.h"
 #include "pipeline/outcome/training_data.h"
+#include "vehicle/family/numbers.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::outcome {
@@ -58,6 +59,12 @@ void append(learning::TrainingTable& table, const learning::TrainingTable& rows,
   table.margin.insert(table.margin.end(), margin.begin(), margin.end());
 }
 
+/// Of the wheels of a family [m].
+double mean_width(const vehicle::Family& family) {
+  const Range ratio = family.range.at("width_ratio");
+  return (ratio.minimum + ratio.maximum) / 2 * family.diameter;
+}
+
 }  // namespace
 
 bool Fidelity::is_finer_than(const Fidelity& other) const {
@@ -88,12 +95,15 @@ TrialSource source_of(const campaign::Provenance& provenance, const std::string&
   const campaign::TrialSettings settings = campaign::settings_of(provenance, where);
   const Config file = Config::parse(vehicle_text, where + ": vehicle");
   const double grain = Json::parse(soil_text, where + ": calibration").at("grain_diameter_m").number();
+  const bool is_family = vehicle::is_family(file);
+  const double width =
+      is_family ? mean_width(vehicle::read_family(file)) : vehicle::tread_width(vehicle::read_any_vehicle(file));
   TrialSource source{.where = where,
                      .vehicle = file.text("vehicle"),
                      .gravity = settings.gravity,
                      .fidelity = {.is_whole = file.text("kind") != "quarter",
                                   .has_compliant_tyres = settings.compliant_tyres,
-                                  .grains_per_tyre = vehicle::tread_width(vehicle::read_any_vehicle(file)) / grain,
+                                  .grains_per_tyre = width / grain,
                                   .wheel_rolling = settings.wheel_rolling}};
   if (source.vehicle.size() > kQuarter.size() && source.vehicle.ends_with(kQuarter))
     source.vehicle.resize(source.vehicle.size() - kQuarter.size());
@@ -130,14 +140,34 @@ std::vector<double> OtherTrials::at_own(const std::vector<double>& points, std::
   return result;
 }
 
+namespace {
+
+/// Composes vehicles of these wheels, which must be of the family that the own trials drove.
+void add_wheels(OtherTrials& others, const campaign::Dataset& wheels, const fs::path& file, const TrialSource& own) {
+  const TrialSource source = source_of(wheels.provenance, file.string());
+  if (others.composed) throw InputError(file.string() + ": is a second dataset of wheels by themselves; give one");
+  if (source.gravity != own.gravity || source.vehicle != own.vehicle) require_pair(own, source);
+  others.composed = std::make_shared<const ComposedVehicle>(wheels.records, file.string());
+  const auto valid = std::count_if(wheels.records.begin(), wheels.records.end(), [](const campaign::TrialRecord& r) {
+    return r.verdict != campaign::Verdict::unknown;
+  });
+  others.datasets.push_back({file_hash(file), std::size_t(valid), "wheels by themselves, which compose vehicles"});
+}
+
+}  // namespace
+
 OtherTrials read_other_trials(const campaign::Provenance& own, const std::string& where,
                               const std::vector<fs::path>& others) {
   OtherTrials result;
   if (others.empty()) return result;
   std::vector<TrialSource> seen{source_of(own, where)};
-  result.own = seen.front().fidelity.inputs();
   for (const fs::path& file : others) {
     const campaign::Dataset dataset = campaign::read_dataset(file);
+    if (are_of_wheels(dataset.records)) {
+      add_wheels(result, dataset, file, seen.front());
+      continue;
+    }
+    result.own = seen.front().fidelity.inputs();
     const TrialSource source = source_of(dataset.provenance, file.string());
     for (const TrialSource& earlier : seen) require_pair(earlier, source);
     const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
@@ -151,8 +181,12 @@ OtherTrials read_other_trials(const campaign::Provenance& own, const std::string
 std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
   if (datasets.size() < 2) return datasets;
   std::vector<std::pair<Fidelity, fs::path>> order;
-  for (const fs::path& file : datasets)
-    order.emplace_back(source_of(campaign::read_dataset(file).provenance, file.string()).fidelity, file);
+  for (const fs::path& file : datasets) {
+    const campaign::Dataset dataset = campaign::read_dataset(file);
+    Fidelity fidelity = source_of(dataset.provenance, file.string()).fidelity;
+    if (are_of_wheels(dataset.records)) fidelity.is_whole = false;
+    order.emplace_back(fidelity, file);
+  }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first.is_finer_than(b.first); });
   for (std::size_t k = 0; k < order.size(); ++k) datasets[k] = order[k].second;
@@ -197,6 +231,49 @@ std::vector<double> with_excess(const std::vector<double>& points, std::size_t w
   return result;
 }
 
+/// Rows with more inputs at their end. points: [row x width]; added: [row x count]
+std::vector<double> with_inputs(const std::vector<double>& points, std::size_t width, const std::vector<double>& added,
+                                std::size_t count) {
+  std::vector<double> result;
+  auto more = added.begin();
+  for (auto row = points.begin(); row != points.end(); row += std::ptrdiff_t(width), more += std::ptrdiff_t(count)) {
+    result.insert(result.end(), row, row + std::ptrdiff_t(width));
+    result.insert(result.end(), more, more + std::ptrdiff_t(count));
+  }
+  return result;
+}
+
+/// The first `variables` of every row.
+std::vector<double> variables_of(const std::vector<double>& points, std::size_t width, std::size_t variables) {
+  std::vector<double> result;
+  for (auto row = points.begin(); row != points.end(); row += std::ptrdiff_t(width))
+    result.insert(result.end(), row, row + std::ptrdiff_t(variables));
+  return result;
+}
+
+/// Log odds of a forecast, which is never quite sure [nat].
+std::vector<double> log_odds(const Forecast& forecast, const std::vector<double>& points) {
+  constexpr double kDoubt = 0.005;
+  std::vector<double> result = forecast.p_go(points);
+  for (double& p : result) {
+    p = std::clamp(p, kDoubt, 1 - kDoubt);
+    p = std::log(p / (1 - p));
+  }
+  return result;
+}
+
+/// What the processes see beside the variables. points: [row x width]
+std::vector<double> with_knowledge(const OtherTrials& known, std::vector<double> points, std::size_t width,
+                                   std::size_t variables) {
+  const std::vector<double> asked = variables_of(points, width, variables);
+  if (known.composed) {
+    points = with_inputs(points, width, known.composed->inputs(asked), ComposedVehicle::kInputs);
+    width += ComposedVehicle::kInputs;
+  }
+  if (known.forecast) points = with_inputs(points, width, log_odds(*known.forecast, asked), 1);
+  return points;
+}
+
 /// a + b r of every point.
 std::vector<double> log_odds(const learning::LogisticModel& passes, const std::vector<double>& shares) {
   std::vector<double> result;
@@ -217,11 +294,19 @@ std::vector<std::size_t> graded_rows(const learning::TrainingTable& table) {
 Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others, bool is_graded)
     : variables_(rows.variable_count) {
   if (!others.empty()) fidelity_.own = others.own;
+  fidelity_.composed = others.composed;
+  fidelity_.forecast = others.forecast;
   constexpr std::size_t kFewest = 10;  // trials of known speed that a regression takes
   constexpr double kRidge = 0.1;       // of a and b [nat]
-  const learning::TrainingTable table = others.joined(rows);
+  learning::TrainingTable table = others.joined(rows);
   const std::vector<int> label = passable_labels(table);
-  plain_ = learning::fit_gaussian_process(table, label);
+  const std::vector<double> expected_odds = mean(variables_of(table.variables, table.variable_count, variables_));
+  if (others.composed || others.forecast) {
+    bare_ = learning::fit_gaussian_process(table, label);
+    table.variables = with_knowledge(others, std::move(table.variables), table.variable_count, variables_);
+    table.variable_count = table.variables.size() / table.row_count();
+  }
+  plain_ = learning::fit_gaussian_process(table, label, {}, expected_odds);
   const std::vector<std::size_t> known = graded_rows(table);
   if (!is_graded || known.size() < kFewest) return;
   learning::TrainingTable inputs = table.subset(known);
@@ -239,11 +324,19 @@ Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others,
   graded_.emplace(Graded{std::move(share), passes, std::move(rest)});
 }
 
+std::vector<double> Teacher::seen(const std::vector<double>& points) const {
+  return with_knowledge(fidelity_, fidelity_.at_own(points, variables_), variables_ + fidelity_.own.size(), variables_);
+}
+
+std::vector<double> Teacher::mean(const std::vector<double>& points) const {
+  return fidelity_.forecast ? log_odds(*fidelity_.forecast, points) : std::vector<double>();
+}
+
 std::vector<double> Teacher::operator()(const std::vector<double>& points) const {
-  const std::vector<double> own = fidelity_.at_own(points, variables_);
-  std::vector<double> p = plain_.most_probable(own);
+  const std::vector<double> own = seen(points);
+  std::vector<double> p = plain_.most_probable(own, mean(points));
   if (!graded_) return p;
-  const std::size_t width = variables_ + fidelity_.own.size();
+  const std::size_t width = own.size() * variables_ / points.size();
   const std::vector<double> q =
       graded_->rest.most_probable(own, log_odds(graded_->passes, graded_->share(with_excess(own, width))));
   for (std::size_t k = 0; k < p.size(); ++k) p[k] = (p[k] + q[k]) / 2;
@@ -251,7 +344,7 @@ std::vector<double> Teacher::operator()(const std::vector<double>& points) const
 }
 
 std::vector<double> Teacher::baseline(const std::vector<double>& points) const {
-  return plain_.probabilities(fidelity_.at_own(points, variables_));
+  return (bare_ ? *bare_ : plain_).probabilities(fidelity_.at_own(points, variables_));
 }
 
 std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,

@@ -9,6 +9,12 @@
 // inputs beside the variables and answers at the finest; the machine's own rows are the finest trials alone. One kernel
 // over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the output from a complex computer
 // code when fast approximations are available", Biometrika 87:1 (2000).
+//
+// A vehicle whose family has a model starts from its forecast: the log odds of it are the mean of the first process,
+// and an input of both. Few own trials then say how the vehicle differs from its family.
+//
+// For a family of vehicles, trials of its wheels by themselves are the coarse fidelity. Both processes then see the
+// margins of the vehicle that is composed of such wheels beside the variables (composed.h).
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -20,6 +26,8 @@
 #include "learning/rbm/train.h"
 #include "learning/training.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/outcome/prior/composed.h"
+#include "pipeline/outcome/prior/forecast.h"
 #include "pipeline/outcome/training_data.h"
 
 namespace gonogo::outcome {
@@ -61,6 +69,9 @@ struct OtherTrials {
   learning::TrainingTable table;  // [rows x (variables, then Fidelity::inputs())]; no rows: there are no other trials
   std::vector<double> own;        // Fidelity::inputs() of the model's own trials
   std::vector<OtherDataset> datasets;
+  /// Of a family's wheels, where one of the datasets has them.
+  std::shared_ptr<const ComposedVehicle> composed{};
+  std::shared_ptr<const Forecast> forecast{};  // nothing: none
 
   bool empty() const { return table.row_count() == 0; }
   /// What a process learns from: these rows of the model's own trials and all others. `rows` alone without others.
@@ -72,9 +83,9 @@ struct OtherTrials {
   std::vector<double> at_own(const std::vector<double>& points, std::size_t variables) const;
 };
 
-/// Valid trials of other datasets than the own one, which `where` names. Throws InputError where they cannot be learned
-/// together: another vehicle, another gravity, or a fidelity that is there already. A quarter of a vehicle is named as
-/// it, with "_quarter" after.
+/// Valid trials of other datasets than the own one, which `where` names. Those of the wheels of a family make
+/// `composed`. Throws InputError where they cannot be learned together: another vehicle, another gravity, or a fidelity
+/// that is there already. A quarter of a vehicle is named as it, with "_quarter" after.
 OtherTrials read_other_trials(const campaign::Provenance& own, const std::string& where,
                               const std::vector<std::filesystem::path>& others);
 
@@ -92,7 +103,7 @@ class Teacher {
   Teacher(const learning::TrainingTable& rows, const OtherTrials& others, bool is_graded = true);
   /// P(go) of points at the own fidelity [point count x variables].
   std::vector<double> operator()(const std::vector<double>& points) const;
-  /// The first process, alone a baseline: at its posterior mean.
+  /// The first process, alone a baseline: at its posterior mean. It sees neither margins nor forecasts.
   std::vector<double> baseline(const std::vector<double>& points) const;
 
  private:
@@ -103,9 +114,15 @@ class Teacher {
     learning::GaussianProcessModel rest;  // around it
   };
 
+  /// Points at the own fidelity as the processes take them.
+  std::vector<double> seen(const std::vector<double>& points) const;
+  /// Mean of the first process at points; empty without a forecast.
+  std::vector<double> mean(const std::vector<double>& points) const;
+
   std::size_t variables_;
   OtherTrials fidelity_;  // of the own trials, without rows
   learning::GaussianProcessModel plain_;
+  std::optional<learning::GaussianProcessModel> bare_;  // `plain_` on the variables alone, where it sees more
   std::optional<Graded> graded_;
 };
 

@@ -50,6 +50,10 @@ Inputs read_inputs(const TrainRequest& request) {
   in.settings = settings_for_trials(std::move(in.settings), rows);
   in.training = training_settings(in.settings, rows, request.seed);
   in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
+  if (request.forecast) {
+    in.others.forecast = request.forecast;
+    in.others.datasets.push_back({request.forecast->hash, request.forecast->trials, request.forecast->about});
+  }
   in.data_hash = file_hash(request.dataset);
   in.teacher = teacher_share(in.settings);
   return in;
@@ -378,6 +382,7 @@ std::string work_key(const TrainRequest& request, const LearningSettings& settin
   key["program"] = std::string(program_version()) + " " + program_revision();
   key["settings"] = to_json(settings);
   for (const std::filesystem::path& other : request.others) key["others"].push_back(file_hash(other));
+  if (request.forecast) key["forecast"] = request.forecast->hash;
   if (request.design) key["design"] = request.design->json();
   key["hold_out"] = request.hold_out;
   for (const std::uint64_t group : request.groups) key["groups"].push_back(Json(group));

@@ -2,6 +2,7 @@
 // Then the final machine is trained on all trials.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "base/json/config.h"
 #include "pipeline/outcome/settings.h"
 #include "pipeline/outcome/training/report.h"
+#include "pipeline/outcome/training/teacher.h"
 
 namespace gonogo::outcome {
 
@@ -21,6 +23,7 @@ struct TrainRequest {
   std::size_t hold_out = 0;                // size of the held-out set, drawn from the seed; evaluate scores it
   std::vector<std::uint64_t> groups = {};  // of replicates: of those that are not held out these train; none: all
   std::vector<std::filesystem::path> others = {};  // datasets of other fidelities (teacher.h)
+  std::shared_ptr<const Forecast> forecast = {};   // of the vehicle's family (teacher.h); nothing: none
   bool members_follow = false;  // train_members() comes next: finished folds are kept for its interruption
 };
 

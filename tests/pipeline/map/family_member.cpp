@@ -13,6 +13,7 @@
 #include "pipeline/map/map_request.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/train_model.h"
 #include "terrain/raster/layer/slope.h"
 #include "terrain/raster/raster_source.h"
@@ -137,6 +138,24 @@ TEST_CASE("measures come back at the member's scale, and its own trial keeps sli
   CHECK(seen.verdict == Verdict::go);
 }
 
+TEST_CASE("a member's own trials are points of its family: payload as load, soil and speed at the family's scale") {
+  const FamilyMember member = member_of(0.5, 1.62);
+  std::vector<Range> sampled(contract().variables.size());
+  for (const vehicle::PlacedNumber& n : vehicle::placed(member.family, member.numbers))
+    if (n.name != "top_speed_number") sampled[index(n.name.c_str())] = n.range;
+  TrialRecord record;
+  record.point.variables = point_of({{"slope_along", 7}, {"cohesion", 4}, {"payload", 0.25 * member.mass}});
+  record.measures.assign(contract().measures.size(), 1);
+  record.verdict = Verdict::no_go;
+  const TrialRecord seen = trials_in_family({{record}, {}}, member, sampled).records.front();
+  CHECK(seen.point.variables[index("slope_along")] == 7);
+  CHECK(seen.point.variables[index("cohesion")] == Approx(4 * kGravity / 1.62 / 0.5));
+  CHECK(seen.point.variables[index("payload")] == 0);
+  CHECK(seen.point.variables[index("load_number")] == Approx(1.25 * some_numbers().wheel.load));
+  CHECK(seen.point.variables[index("power_number")] == Approx(member.numbers.power / 1.25));
+  CHECK(seen.verdict == Verdict::no_go);
+}
+
 namespace {
 
 /// Trials of the family drawn from a closed form: heavy wheels and steep slopes stop. The first two lie at the ends.
@@ -253,6 +272,24 @@ TEST_CASE("a map of a vehicle that no trial drove is its family's answer at its 
   for (std::size_t o = 0; o < outcome.size(); ++o)
     if (passes(contract().outcomes[o].verdict)) p += outcome[o];
   CHECK(p_go.at(0, 0) == Approx(p).margin(1e-6));
+}
+
+TEST_CASE("a family's model is scored on trials of one vehicle at the vehicle's numbers") {
+  const TemporaryFolder folder;
+  const TrainedModel family = read_trained_model(copy_family(folder));
+  const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm/fresh.h5";
+  const Dataset asked = read_trials_for(family, fresh);
+  const FamilyMember member =
+      family_member(wheeled(), kGravity, vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
+  std::vector<double> first = read_dataset(fresh).records.front().point.variables;
+  set_numbers(first, member);
+  CHECK(family_point(member, first) == asked.records.front().point.variables);
+  double sum = 0;
+  for (const TrialRecord& trial : asked.records)
+    sum += std::pow(std::min(1.0, family.predictor->p_go(trial.point.variables)) - double(passes(trial.verdict)), 2);
+  const outcome::Evaluation scored = outcome::evaluate_model(family.file, asked, "fresh");
+  CHECK(scored.trials == 400);
+  CHECK(scored.scores.model().brier.value == Approx(sum / 400));
 }
 
 TEST_CASE("a vehicle outside its family is unknown by number and amount, with what its own model costs") {

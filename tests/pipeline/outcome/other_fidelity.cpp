@@ -51,6 +51,37 @@ std::vector<int> labels(const learning::TrainingTable& table) {
 
 }  // namespace
 
+TEST_CASE("few trials correct the forecast of a family, and with it say more than alone or the forecast by itself") {
+  constexpr double kShift = 2;  // of the vehicle's boundary from its family's
+  OtherTrials known;
+  known.forecast = std::make_shared<const Forecast>(
+      Forecast{.hash = "h", .about = "family", .trials = 9, .p_go = [](const std::vector<double>& points) {
+                 std::vector<double> p;
+                 for (std::size_t n = 0; n < points.size(); n += 2)
+                   p.push_back(1 / (1 + std::exp(2 * (points[n] - 6 * std::sin(7 * points[n + 1])))));
+                 return p;
+               }});
+  const learning::TrainingTable fresh = curved(1000, kShift, 77);
+  const std::vector<int> truth = labels(fresh);
+  const auto error = [&](const std::vector<double>& p) {
+    double sum = 0;
+    for (std::size_t n = 0; n < truth.size(); ++n) sum += std::pow(p[n] - truth[n], 2);
+    return sum / double(truth.size());
+  };
+  double alone = 0, together = 0;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    learning::TrainingTable few = curved(48, kShift, seed);
+    for (std::size_t& y : few.outcome)
+      if (y == 1) y = campaign::contract().outcome_index(campaign::Verdict::no_go, campaign::Reason::traction);
+    alone += error(Teacher(few, {})(fresh.variables)) / 3;
+    together += error(Teacher(few, known)(fresh.variables)) / 3;
+  }
+  const double family = error(known.forecast->p_go(fresh.variables));
+  UNSCOPED_INFO("alone " << alone << ", family " << family << ", together " << together);
+  CHECK(together < 0.7 * alone);
+  CHECK(together < 0.7 * family);
+}
+
 TEST_CASE("the shipped trials of the whole vehicle are finer than those of a quarter of it") {
   const auto of = [](const fs::path& file) {
     return source_of(campaign::read_dataset(file).provenance, file.string()).fidelity;

@@ -1,0 +1,49 @@
+// A vehicle of a family composed of its wheels: the coarse fidelity beside trials of whole vehicles. Regressions on
+// trials of wheels by themselves say what a wheel of these numbers pulls and how deep it stands in this soil at a given
+// slip. Statics puts wheels together: the weight of a rigid vehicle on equal springs, shifted back by the slope.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json/config.h"
+#include "learning/rbm/gaussian_process.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "vehicle/family/vehicle_numbers.h"
+
+namespace gonogo::outcome {
+
+/// What a composed vehicle has beyond what its slope needs.
+struct ComposedMargins {
+  double traction = 0;   // largest pull of its wheels over the weight, all at one slip, less tan(slope)
+  double drive = 0;      // tractive force over the weight at the commanded speed, less tan(slope), in [-1, 1]
+  double clearance = 0;  // of the belly over the diameter, less the sinkage where wheels pull most
+};
+
+/// Whether these trials are of wheels by themselves.
+bool are_of_wheels(const std::vector<campaign::TrialRecord>& records);
+
+class ComposedVehicle {
+ public:
+  static constexpr std::size_t kInputs = 3;  // of ComposedMargins
+
+  /// Learns trials of wheels. Throws InputError, which `where` starts, for fewer than 50 valid ones.
+  ComposedVehicle(const std::vector<campaign::TrialRecord>& wheels, const std::string& where);
+
+  /// point: variables of the contract, of a whole vehicle of the family.
+  std::vector<ComposedMargins> margins(std::span<const double> points) const;
+  /// The same as inputs [point count x kInputs].
+  std::vector<double> inputs(std::span<const double> points) const;
+
+  /// Pull over load and sinkage over diameter of wheels. points: as those of the trials.
+  std::vector<double> pull(std::span<const double> points) const;
+  std::vector<double> sinkage(std::span<const double> points) const;
+
+ private:
+  std::vector<Range> box_;  // of the trials, by variable
+  learning::GaussianRegression pull_, sinkage_;
+};
+
+}  // namespace gonogo::outcome

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""Rivals of a family's model on trials of vehicles that it has not seen (docs/vehicles.md).
+
+    python3 -m venv out/rivals && out/rivals/bin/pip install scikit-learn h5py
+    out/rivals/bin/python scripts/family_rivals.py --model data/wheeled_family_32mm \\
+        hmmwv=data/hmmwv_32mm/fresh.h5 viper=data/viper_32mm/dataset.h5
+
+Semi-empirical relations give a margin (pipeline/map/rivals.h has the sources). As a forecast of P(go) each gets a
+logistic curve of its margin, fitted to the trials of the family: the best that a user of the relation could do who has
+these trials. `accuracy` is that of the relation as published: go where the margin is positive. Boosted trees are
+scikit-learn's, on the same variables and trials; the Gaussian process is that of `gonogo evaluate`.
+"""
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import tempfile
+
+import numpy
+from sklearn.ensemble import HistGradientBoostingClassifier
+from sklearn.linear_model import LogisticRegression
+
+RELATIONS = ["cone_index", "drove_sand", "drove_clay", "bekker_wong"]
+# P(go) rises (1) or falls (-1) with these.
+MONOTONE = {"slope_along": -1, "friction_angle": 1, "cohesion": 1, "tyre_friction": 1, "force_number": 1, "power_number": 1}
+
+
+def table(gonogo, model, dataset, folder):
+    out = pathlib.Path(folder) / "forecasts.csv"
+    subprocess.run([gonogo, "dataset", "forecasts", dataset, "--model", model, "--out", str(out)], check=True,
+                   stdout=subprocess.DEVNULL)
+    with open(out) as file:
+        rows = list(csv.DictReader(file))
+    return {name: numpy.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def gaussian_process(gonogo, model, dataset):
+    answer = subprocess.run([gonogo, "evaluate", "--model", model, "--dataset", dataset, "--json"], check=True,
+                            capture_output=True, text=True)
+    return json.loads(answer.stdout)["scores"]
+
+
+def brier(p, y):
+    return numpy.mean((p - y) ** 2)
+
+
+def log_loss(p, y):
+    p = numpy.clip(p, 1e-12, 1 - 1e-12)
+    return -numpy.mean(numpy.log(numpy.where(y == 1, p, 1 - p)))
+
+
+def calibration_error(p, y, bins=10):
+    place = numpy.minimum((p * bins).astype(int), bins - 1)
+    return sum(abs(p[place == k].mean() - y[place == k].mean()) * (place == k).mean() for k in set(place))
+
+
+def line(name, p, y, accuracy=None):
+    text = f"  {name:<16} {brier(p, y):7.4f} {log_loss(p, y):9.3f} {calibration_error(p, y):7.3f}"
+    return text + (f" {accuracy:9.3f}" if accuracy is not None else "")
+
+
+def forecasts(train, asked):
+    """Of every rival: P(go), and the accuracy of the sign of its margin or None."""
+    y = train["passed"].astype(int)
+    for name in RELATIONS:
+        curve = LogisticRegression(C=100).fit(train[name][:, None], y)
+        p = curve.predict_proba(asked[name][:, None])[:, 1]
+        yield name, p, numpy.mean((asked[name] > 0) == asked["passed"])
+    names = list(train)
+    variables = [n for n in names[:names.index("passed")] if numpy.std(train[n]) > 0]
+    trees = HistGradientBoostingClassifier(learning_rate=0.05, max_iter=300, max_leaf_nodes=15, min_samples_leaf=10,
+                                           l2_regularization=1.0, monotonic_cst=[MONOTONE.get(n, 0) for n in variables],
+                                           random_state=1)
+    trees.fit(numpy.column_stack([train[n] for n in variables]), y)
+    yield "boosted trees", trees.predict_proba(numpy.column_stack([asked[n] for n in variables]))[:, 1], None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("datasets", nargs="+", help="name=dataset.h5 of one vehicle")
+    parser.add_argument("--model", required=True, help="folder of the family's model, with its trials")
+    parser.add_argument("--gonogo", default="build/cpu-release/gonogo")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        train = table(options.gonogo, options.model, str(pathlib.Path(options.model) / "dataset.h5"), folder)
+        for entry in options.datasets:
+            vehicle, dataset = entry.split("=", 1)
+            asked = table(options.gonogo, options.model, dataset, folder)
+            y = asked["passed"].astype(int)
+            print(f"{vehicle}: {len(y)} trials of {dataset}\n  {'':<16}   Brier  log loss     ECE  accuracy")
+            print(line("family", asked["p_go"], y, numpy.mean((asked["p_go"] > 0.5) == y)))
+            for name, p, accuracy in forecasts(train, asked):
+                print(line(name.replace("_", " "), p, y, accuracy))
+            scores = gaussian_process(options.gonogo, options.model, dataset)
+            print("  gonogo evaluate:", ", ".join(f"{who.replace('_', ' ')} {s['brier']['value']:.4f}"
+                                                  for who, s in scores.items() if isinstance(s, dict) and "brier" in s))
+
+
+if __name__ == "__main__":
+    main()
