@@ -257,8 +257,8 @@ SoilReport cone_of_soil(const fs::path& file) {
     const double low = index(s.friction_angle.low, s.cohesion.low),
                  high = index(s.friction_angle.high, s.cohesion.high);
     r.json["states"].push_back(Json::Object{{"state", s.name}, {"cone_index_kPa", Json::Array{low / 1e3, high / 1e3}}});
-    r.text += line("%s: %.3g to %.3g kPa (%.3g to %.3g psi)\n", s.name.c_str(), low / 1e3, high / 1e3, low / kPsi,
-                   high / kPsi);
+    r.text += line("%s: %.3g to %.3g kPa (%.3g to %.3g psi)%s\n", s.name.c_str(), low / 1e3, high / 1e3, low / kPsi,
+                   high / kPsi, s.texture.empty() ? ", if it is fine-grained: the file names no texture" : "");
   }
   return r;
 }

@@ -183,14 +183,33 @@ def _elevation_file(dem: Any, crs: Any, transform: Any, folder: Path) -> str:
     return str(path.absolute())
 
 
-def _region_file(elevation: str, soil: Mapping[str, Any], name: str, folder: Path) -> str:
+def _cone_index(given: str | float | PathLike) -> dict[str, Any]:
+    """Keys of a region file: an index everywhere, or a raster [psi]."""
+    text = os.fspath(given) if isinstance(given, os.PathLike) else str(given)
+    if not text:
+        return {}
+    if Path(text).is_file():
+        return {"raster": {"role": "cone_index", "file": str(Path(text).absolute()), "unit": "psi", "source": "given in Python",
+                           "licence": "as its file says"}}
+    unit = "kPa" if text.endswith("kPa") else "psi"
+    try:
+        index = float(text.removesuffix(unit))
+    except ValueError:
+        raise _core.InputError(f"map: cone_index {text!r} is neither a raster nor a number; give a number [psi], or one such as "
+                               "'414kPa'") from None
+    return {"cone_index": {"fixed": index, "unit": unit, "source": "given in Python"}}
+
+
+def _region_file(elevation: str, soil: Mapping[str, Any], cone_index: str | float | PathLike, name: str, folder: Path) -> str:
     """A region of one soil: numbers are fixed, pairs are ranges, dicts as in a region file."""
     values: dict[str, Any] = {}
     for variable, value in soil.items():
         entry = dict(value) if isinstance(value, Mapping) else {"range": list(value)} if isinstance(value, tuple) else {"fixed": value}
         values[variable] = {**entry, "source": "given in Python"}
-    region = {"schema": "gonogo/region/1", "region": name, "values": values, "rasters": [
-        {"role": "elevation", "file": elevation, "source": "given in Python", "licence": "as its file says"}]}
+    measured = _cone_index(cone_index)
+    rasters = [{"role": "elevation", "file": elevation, "source": "given in Python", "licence": "as its file says"}]
+    rasters += [measured.pop("raster")] if "raster" in measured else []
+    region = {"schema": "gonogo/region/1", "region": name, "values": values, "rasters": rasters, **measured}
     path = folder / "region.json"
     path.write_text(json.dumps(region, indent=2))
     return str(path.absolute())
@@ -200,31 +219,33 @@ def _model_file(model: Model | PathLike) -> str:
     return os.fspath(model.path if isinstance(model, Model) else model)
 
 
-def _place(dem: Any, soil: Soil | None, region: PathLike | None, study: PathLike | None, folder: Path, crs: Any,
-           transform: Any) -> dict[str, Any]:
+def _place(dem: Any, soil: Soil | None, cone_index: str | float | PathLike, region: PathLike | None, study: PathLike | None,
+           folder: Path, crs: Any, transform: Any) -> dict[str, Any]:
     """Members of MapFiles that say what is mapped."""
     if region is not None and dem is not None or region is dem is study:
         raise _core.InputError("map: give dem, or a region file; one of the two")
     if dem is None:
         if soil is not None:
             raise _core.InputError("map: the region file names its soil; leave soil out")
-        return {} if region is None else {"region": region}
+        given = {"cone_index": str(cone_index)}  # the program says where it belongs
+        return given if region is None else {"region": region, **given}
     elevation = _elevation_file(dem, crs, transform, folder)
     if isinstance(soil, Mapping):
-        return {"region": _region_file(elevation, soil, Path(elevation).stem, folder)}
-    return {"dem": elevation, "soil": soil or ""}
+        return {"region": _region_file(elevation, soil, cone_index, Path(elevation).stem, folder)}
+    index = os.fspath(cone_index) if isinstance(cone_index, os.PathLike) else str(cone_index)
+    return {"dem": elevation, "soil": soil or "", "cone_index": index}
 
 
 def map_files(folder: Path, dem: Any, model: Model | PathLike, soil: Soil | None, region: PathLike | None, crs: Any,
               transform: Any, *, study: PathLike | None, settings: Mapping[str, float] | None,
-              **others: str | float | PathLike | None) -> Any:
+              cone_index: str | float | PathLike = "", **others: str | float | PathLike | None) -> Any:
     """MapFiles of the arguments that map() and route() share. `folder` takes what has to be written."""
     files = with_gdal().MapFiles()
     files.model = _model_file(model)
     files.set = [f"{name}={value!r}" for name, value in (settings or {}).items()]
     if study is not None:
         files.study = study_file(study)
-    for name, value in {**_place(dem, soil, region, study, folder, crs, transform), **others}.items():
+    for name, value in {**_place(dem, soil, cone_index, region, study, folder, crs, transform), **others}.items():
         if value is not None:
             setattr(files, name, os.fspath(value) if isinstance(value, os.PathLike) else value)
     return files
@@ -233,14 +254,15 @@ def map_files(folder: Path, dem: Any, model: Model | PathLike, soil: Soil | None
 def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None, *, out: PathLike,
         region: PathLike | None = None, crs: Any = None, transform: Any = None, vehicle: PathLike = "",
         whole_vehicle: PathLike = "", dataset: PathLike | None = None, study: PathLike | None = None, moisture: str = "",
-        cone_index: str | float = "", heading: str | float = "", settings: Mapping[str, float] | None = None, max_speed: float = 0, height_unit: str = "",
+        cone_index: str | float | PathLike = "", heading: str | float = "", settings: Mapping[str, float] | None = None, max_speed: float = 0, height_unit: str = "",
         flat_is_ground: bool = False, members: Iterable[PathLike] = (), colour_blind_safe: bool = False,
         crossing_model: PathLike = "", threads: int = 0) -> Map:
     """The Go/NoGo map of a region, as `gonogo map` makes it.
 
     dem: elevation [m]: a path, a rasterio dataset, an xarray array with rio, or a numpy array [row, column] with crs and
     transform. soil: USDA texture, class of the USCS, name of a shipped soil, soil file or raster of textures, at a moisture
-    ("dry", "moist", "wet") or any; or variable -> number, (low, high), or an entry of a region file such as {"fixed": 31,
+    ("dry", "moist", "wet") or any; or numbers of a test, as --soil takes them ("bevameter:...", "cone:index=414,soil=CL");
+    or variable -> number, (low, high), or an entry of a region file such as {"fixed": 31,
     "test": "direct_shear", "stage": "peak"}; without it the soil may be anything. cone_index: of fine-grained soil [psi],
     "414kPa", or a raster [psi].
     region: in place of dem, a region file, which names its rasters. study: thresholds and mission values of its section
@@ -256,7 +278,7 @@ def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None,
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     files = map_files(folder, dem, model, soil, region, crs, transform, study=study, settings=settings, vehicle=vehicle,
-                      whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture, cone_index=str(cone_index), heading=str(heading),
+                      whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture, cone_index=cone_index, heading=str(heading),
                       max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
                       colour_blind_safe=colour_blind_safe, crossing_model=os.fspath(crossing_model), threads=threads)
     files.set_members([os.fspath(member) for member in members])

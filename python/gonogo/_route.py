@@ -28,7 +28,7 @@ def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = Non
           reach: PathLike = "", isochrones: PathLike = "", interval: float = 0, regions: PathLike = "",
           costmap: PathLike = "", grid_map: PathLike = "", region: PathLike | None = None, crs: Any = None,
           transform: Any = None, vehicle: PathLike = "", whole_vehicle: PathLike = "", dataset: PathLike | None = None,
-          study: PathLike | None = None, moisture: str = "", settings: Mapping[str, float] | None = None,
+          study: PathLike | None = None, moisture: str = "", cone_index: str | float | PathLike = "", settings: Mapping[str, float] | None = None,
           max_speed: float = 0, height_unit: str = "", flat_is_ground: bool = False, crossing_model: PathLike = "",
           threads: int = 0) -> dict[str, Any]:
     """Routes over a region, as `gonogo route` plans them.
@@ -52,7 +52,7 @@ def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = Non
         setattr(request, name, os.fspath(path))
     with tempfile.TemporaryDirectory() as folder:
         place = map_files(Path(folder), dem, model, soil, region, crs, transform, study=study, settings=settings,
-                          vehicle=vehicle, whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture,
+                          vehicle=vehicle, whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture, cone_index=cone_index,
                           max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
                           crossing_model=os.fspath(crossing_model), threads=threads)
         result: dict[str, Any] = with_gdal().plan_route(request, place)

@@ -69,6 +69,29 @@ def test_a_shipped_model_and_a_named_soil(hill, program, tmp_path):
     assert "p_go" in made.layers
 
 
+def test_every_measure_of_a_soil_makes_the_map_that_the_program_makes(hill, program, tmp_path):
+    place = dict(crs="EPSG:32610", transform=TRANSFORM, settings={"payload": 500.0})
+    for k, (soil, index) in enumerate([("bevameter:n=1.1,k_c=0.99,k_phi=1528,c=1.04,phi=28,K=25", ""), ("SM", ""),
+                                       ("cone:index=414,soil=CL,phi=20", ""), ("CL", 60)]):
+        made = gonogo.map(hill, "hmmwv", soil, cone_index=index, out=tmp_path / f"made{k}", **place)
+        given = ["--soil", soil] + (["--cone-index", str(index)] if index else [])
+        subprocess.run([program, "map", "--model", "hmmwv", "--dem", made.folder / "elevation.tif", *given, "--set", "payload=500",
+                        "--out", tmp_path / f"same{k}"], check=True, capture_output=True)
+        assert (made.folder / "p_go.tif").read_bytes() == (tmp_path / f"same{k}/p_go.tif").read_bytes(), soil
+    assert "60 psi" in (tmp_path / "made3/index.html").read_text()
+
+
+def test_a_cone_index_beside_values_is_that_of_the_region(hill, tmp_path):
+    place = dict(crs="EPSG:32610", transform=TRANSFORM)
+    soil = {"friction_angle": {"fixed": 15, "test": "direct_shear", "stage": "peak"}, "cohesion": 5.0}
+    soft = gonogo.map(hill, "hmmwv", soil, cone_index=5, out=tmp_path / "soft", **place)
+    inputs = json.loads((tmp_path / "soft/map.json").read_text())["inputs"]
+    assert inputs["cone_index_kPa"] == pytest.approx(5 * 6.894757, rel=1e-4)
+    assert soft.summary["share"]["go"] == 0
+    with pytest.raises(gonogo.InputError, match="neither a raster nor a number"):
+        gonogo.map(hill, "hmmwv", soil, cone_index="soft", out=tmp_path / "word", **place)
+
+
 def test_rasters_of_other_packages_make_the_same_map(made, hill, tmp_path):
     """A path, a dataset of rasterio and an array of xarray, each with a library of GDAL of its own in this process."""
     file = tmp_path / "hill.tif"

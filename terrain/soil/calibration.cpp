@@ -336,6 +336,14 @@ double plate_pressure(const Calibration& c, double triaxial, std::size_t packing
   return c.response.empty() ? 0 : plate_pressure(c, nearest_place(c, triaxial, packing), packing);
 }
 
+double cone_gradient(const Calibration& c, double triaxial, std::size_t packing) {
+  if (c.response.empty()) return 0;
+  const PlaceOnLine at = nearest_place(c, triaxial, packing);
+  const auto [low, high] = responses(c, at, packing);
+  if (!(low.cone_gradient > 0 && high.cone_gradient > 0)) return 0;
+  return std::exp(at.between(std::log(low.cone_gradient), std::log(high.cone_gradient)));
+}
+
 SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& given) {
   const MacroscopicSoil soil = as_triaxial(c, given);
   SoilFit f;
@@ -367,9 +375,10 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& given) {
 namespace {
 
 /// 1: without "response"; 2: without "shape", of spheres; 3: friction angles by simple shear; 4: one loosest packing
-/// for all contact levels; 5: without angles on the plane of shear.
+/// for all contact levels; 5: without angles on the plane of shear; 6: without cones.
 const std::vector<std::string> kSchemas = {"gonogo/calibration/1", "gonogo/calibration/2", "gonogo/calibration/3",
-                                           "gonogo/calibration/4", "gonogo/calibration/5", "gonogo/calibration/6"};
+                                           "gonogo/calibration/4", "gonogo/calibration/5", "gonogo/calibration/6",
+                                           "gonogo/calibration/7"};
 
 Angle read_angle(const Config& row, const std::string& name) {
   return {row.number(name + "_deg", {0, 89}), row.number(name + "_error_deg", {0, 89})};
@@ -406,6 +415,10 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
     r.sinkage_modulus = row.number("sinkage_modulus_N_per_m_n_plus_2", {0, 1e15});
     r.sinkage_modulus_error = row.number("sinkage_modulus_error", {0, 1e15});
     r.sinkage_exponent = row.number("sinkage_exponent", {-10, 10});
+    if (version >= 7) {
+      r.cone_gradient = row.number("cone_gradient_over_unit_weight", {0, 1e6});
+      r.cone_gradient_error = row.number("cone_gradient_error", {0, 1e6});
+    }
     row.finish();
     rows.push_back(r);
   }
@@ -419,7 +432,9 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
   Json j;
   const bool has_shear = !c.response.empty() && c.response.front().shear_peak.degrees > 0;
-  j["schema"] = kSchemas[has_shear ? 5 : c.contact.front().loosest_solid_fraction > 0 ? 4 : 3];
+  const bool has_cones =
+      has_shear && std::any_of(c.response.begin(), c.response.end(), [](const auto& r) { return r.cone_gradient > 0; });
+  j["schema"] = kSchemas[has_cones ? 6 : has_shear ? 5 : c.contact.front().loosest_solid_fraction > 0 ? 4 : 3];
   j["grain_diameter_m"] = c.grain_diameter;
   j["shape"] = name_of(c.shape);
   for (const PackingLevel& p : c.packing) {
@@ -455,6 +470,10 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
     row["sinkage_modulus_N_per_m_n_plus_2"] = r.sinkage_modulus;
     row["sinkage_modulus_error"] = r.sinkage_modulus_error;
     row["sinkage_exponent"] = r.sinkage_exponent;
+    if (has_cones) {
+      row["cone_gradient_over_unit_weight"] = r.cone_gradient;
+      row["cone_gradient_error"] = r.cone_gradient_error;
+    }
     j["response"].push_back(row);
   }
   j["cohesion_gain"] = c.cohesion_gain;

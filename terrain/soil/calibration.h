@@ -52,6 +52,7 @@ struct SoilResponse {
   double cohesion_gain = 0;                               // [-]
   double sinkage_modulus = 0, sinkage_modulus_error = 0;  // k of p = k z^n, plate four grains wide [N/m^(n+2)]
   double sinkage_exponent = 0;                            // n [-]
+  double cone_gradient = 0, cone_gradient_error = 0;      // over the bed's unit weight [-]; 0: no such test
 };
 
 struct Calibration {
@@ -119,6 +120,10 @@ double packing_density(const Calibration& calibration, double triaxial, std::siz
 /// Pressure at one grain's depth under a plate four grains wide on quartz grains of this triaxial angle without
 /// cohesion [Pa]; 0 where the table does not know.
 double plate_pressure(const Calibration& calibration, double triaxial, std::size_t packing);
+
+/// Gradient of the cone index over the unit weight of such grains without cohesion [-]; 0 where the table does not
+/// know.
+double cone_gradient(const Calibration& calibration, double triaxial, std::size_t packing);
 
 /// Friction angles that the table reaches [deg]: in every packing, or in one.
 struct AngleRange {

@@ -8,6 +8,7 @@
 #include "base/format.h"
 #include "base/progress.h"
 #include "base/units.h"
+#include "terrain/soil/bearing.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -18,6 +19,9 @@ constexpr int kCohesionSteps = 120;
 /// Of a plate's pressure, as a decimal logarithm: grains miss those of measured soils by a factor of two
 /// (docs/validation.md).
 constexpr double kPlateError = 0.3;
+
+/// The same of a cone's gradient or of its index in coarse soil: cones of the table are grains wide.
+constexpr double kConeGradientError = 0.2;
 
 /// A point of the grid, with what every test would show.
 struct Candidate {
@@ -54,15 +58,55 @@ void add_envelope(const Calibration& c, const SoilTest& t, std::vector<Clue>& cl
                    }});
 }
 
-/// Of the table's plate at one grain's depth. Cohesion adds what it bears under a strip.
-void add_plate(const Calibration& c, const Bekker& b, std::vector<Clue>& clues) {
+/// Of the table's plate at one grain's depth. Cohesion adds what it bears under a strip. Its bed is six plates long and
+/// periodic, too short for what strong soil pushes aside: so no candidate shows more than limit analysis allows.
+void add_plate(const Calibration& c, const SoilState& state, const Bekker& b, std::vector<Clue>& clues) {
   const double depth = c.grain_diameter, width = 4 * c.grain_diameter;
+  const double unit_weight = std::max(1.0, state.bulk_density.middle() * kGravity);
   const double kPa = (b.k_c.middle() / width + b.k_phi.middle()) * std::pow(depth, b.n.middle());
   clues.push_back(
-      {"plate: pressure one grain deep [log10 kPa]", std::log10(kPa), kPlateError, [&c](const Candidate& s) {
+      {"plate: pressure one grain deep [log10 kPa]", std::log10(kPa), kPlateError,
+       [&c, unit_weight, depth, width](const Candidate& s) {
          const double grains = plate_pressure(c, s.angle, s.packing) / 1e3;
-         return std::log10(std::min(grains, kMaxPlatePressure / 1e3) + s.cohesion * bearing_capacity_factor(s.angle));
+         const BearingRange may =
+             bearing_range({.friction_angle = s.angle, .cohesion = 1e3 * s.cohesion}, unit_weight, width, depth);
+         return std::log10(std::min(grains + s.cohesion * bearing_capacity_factor(s.angle), may.most / 1e3));
        }});
+}
+
+bool has_cones(const Calibration& c) {
+  return std::any_of(c.response.begin(), c.response.end(), [](const auto& r) { return r.cone_gradient > 0; });
+}
+
+/// Gradient of the index of cohesionless grains as heavy as the soil [kPa/m]. Packings without cones show no more than
+/// the strongest of the table that have some.
+std::function<double(const Candidate&)> gradient_of(const Calibration& c, const SoilState& state) {
+  double most = 0;
+  for (const SoilResponse& r : c.response) most = std::max(most, r.cone_gradient);
+  const double unit_weight = state.bulk_density.middle() * kGravity / 1e3;
+  return [&c, most, unit_weight](const Candidate& s) {
+    const double known = cone_gradient(c, s.angle, s.packing);
+    return unit_weight * (known > 0 ? known : most);
+  };
+}
+
+/// Decimal logarithms of a cone's gradient, and of its index in soil whose index the formula does not give: the
+/// gradient at the middle of its depths, with what cohesion bears under a round base (De Beer's shape factor).
+void add_cone(const Calibration& c, const SoilState& state, const SoilTest& t, std::vector<Clue>& clues) {
+  const auto gradient = gradient_of(c, state);
+  const auto add = [&](const char* what, const SoilValue& value, std::function<double(const Candidate&)> shown) {
+    const double middle = std::max(1e-3, value.middle());
+    const double error = error_of(value, kShareError * middle) / middle / std::log(10.0);
+    clues.push_back({what, std::log10(middle), std::hypot(error, kConeGradientError),
+                     [shown = std::move(shown)](const Candidate& s) { return std::log10(std::max(1e-3, shown(s))); }});
+  };
+  if (t.cone_gradient) add("cone: gradient [log10 kPa/m]", *t.cone_gradient, gradient);
+  if (!t.cone_index || is_fine_grained(state.texture)) return;
+  const double depth = (t.cone_depth.minimum + t.cone_depth.maximum) / 2;
+  add("cone: index of coarse soil [log10 kPa]", *t.cone_index, [gradient, depth](const Candidate& s) {
+    const double of_cohesion = bearing_capacity_factor(s.angle), shape = 1 + surcharge_factor(s.angle) / of_cohesion;
+    return gradient(s) * depth + s.cohesion * of_cohesion * shape;
+  });
 }
 
 void add_others(const Calibration& c, const SoilState& state, const SoilTest& t, std::vector<Clue>& clues,
@@ -77,12 +121,16 @@ void add_others(const Calibration& c, const SoilState& state, const SoilTest& t,
     clues.push_back({"cone: index [kPa]", index,
                      std::hypot(error_of(*t.cone_index, kShareError * index), kConeError * index),
                      [](const Candidate& s) { return cone_index(1e3 * s.cohesion, s.angle) / 1e3; }});
-  } else if (t.cone_index) {
-    p.left_out.push_back("cone index: the formula holds for fine-grained soil, and the state names no such texture");
+  } else if (t.cone_index && !has_cones(c)) {
+    p.left_out.push_back(
+        "cone index: the formula holds for fine-grained soil, the state names no such texture, and this table holds no "
+        "test of a cone (gonogo soil calibrate --onto)");
   }
-  if (t.cone_gradient) p.left_out.push_back("cone gradient: this table holds no test of a cone");
+  if (t.cone_gradient && !has_cones(c))
+    p.left_out.push_back("cone gradient: this table holds no test of a cone (gonogo soil calibrate --onto)");
+  if (has_cones(c)) add_cone(c, state, t, clues);
   if (t.bekker && plate_pressure(c, reachable_angles(c).lowest, 0) > 0)
-    add_plate(c, *t.bekker, clues);
+    add_plate(c, state, *t.bekker, clues);
   else if (t.bekker)
     p.left_out.push_back("plates: this table holds no test of a plate");
 }
@@ -141,6 +189,22 @@ std::vector<double> weights_of(std::vector<Candidate>& grid, const std::vector<C
   return weight;
 }
 
+/// Clues that lie beyond what any grains of the table show.
+void find_beyond(const std::vector<Candidate>& grid, const std::vector<Clue>& clues, SoilPosterior& p) {
+  constexpr double kMisses = 2;
+  for (const Clue& clue : clues) {
+    Range shown{1e300, -1e300};
+    for (const Candidate& s : grid) {
+      const double x = clue.shown(s);
+      shown = {std::min(shown.minimum, x), std::max(shown.maximum, x)};
+    }
+    const double off = std::max(clue.given - shown.maximum, shown.minimum - clue.given);
+    if (off > kMisses * clue.error)
+      p.disagreements.push_back(line("%s is %.4g, which no grains of the table show: theirs is %.3g to %.4g",
+                                     clue.what.c_str(), clue.given, shown.minimum, shown.maximum));
+  }
+}
+
 bool is_angle(const Evidence& e) { return e.what.ends_with("[deg]"); }
 
 void find_disagreements(SoilPosterior& p) {
@@ -150,6 +214,8 @@ void find_disagreements(SoilPosterior& p) {
                 e.shown);
   };
   std::vector<char> said(p.evidence.size(), 0);
+  for (std::size_t i = 0; i < p.evidence.size(); ++i)  // beyond the table, and already named
+    for (const std::string& sentence : p.disagreements) said[i] |= sentence.starts_with(p.evidence[i].what + " is ");
   for (std::size_t i = 0; i < p.evidence.size(); ++i)
     for (std::size_t k = i + 1; k < p.evidence.size(); ++k) {
       const Evidence &a = p.evidence[i], &b = p.evidence[k];
@@ -180,7 +246,9 @@ SoilPosterior soil_posterior(const Calibration& c, const SoilState& state) {
     const Estimated shown = moments(grid, weight, clue.shown);
     p.evidence.push_back({clue.what, clue.given, clue.error, shown.mean, shown.error});
   }
+  find_beyond(grid, clues, p);
   find_disagreements(p);
+  if (const auto contradiction = plates_against_strength(state, &c)) p.disagreements.push_back(*contradiction);
   return p;
 }
 

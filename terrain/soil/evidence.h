@@ -34,10 +34,11 @@ struct SoilPosterior {
 /// angle and in cohesion up to 100 kPa, and of the packings as the soil's range of relative density has it. Numbers of
 /// tests are independent and normal: a range counts as uniform (its half width over sqrt 3), one value as known to 1
 /// degree or a tenth; the table's own error and, for a cone index, a quarter of the index for the formula are added.
-/// Plates count by the logarithm of their pressure at one grain's depth, known to a factor of two. An angle disagrees
-/// with another, or a strength with another, where both miss what they are given by more than two errors in opposite
-/// directions; alone, one that misses by more than three. Throws InputError where the state's tests leave no contact of
-/// the table possible.
+/// Plates count by the logarithm of their pressure at one grain's depth, known to a factor of two. Cone gradients, and
+/// cone indices of coarse soil, count by their logarithms where the table holds cones, known to a factor of 1.6. An
+/// angle disagrees with another, or a strength with another, where both miss what they are given by more than two
+/// errors in opposite directions; alone, one that misses by more than three. Throws InputError where the state's tests
+/// leave no contact of the table possible.
 SoilPosterior soil_posterior(const Calibration& calibration, const SoilState& state);
 
 /// The soil's strength as it acts at a normal stress [Pa] outside of those it was tested at. Envelopes of soil are

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/json/config.h"
 
 namespace gonogo::terrain {
@@ -73,8 +74,17 @@ void read_cone(const Config& c, SoilTest& t) {
   t.cone_depth = range_if(c, "depth_m", {0, 5}).value_or(t.cone_depth);
 }
 
+/// A strength whose test was forgotten: says what each would mean.
+void require_test(const Config& c) {
+  if (c.has("test") || !c.has("friction_angle_deg")) return;
+  const SoilValue angle = read_value(c, "friction_angle_deg", kAngles);
+  c.fail("test", "is missing beside a friction angle: " + readings_of(angle.middle()) + "; name the test, one of " +
+                     join_words(strength_test_names()));
+}
+
 SoilTest read_test(const Config& c) {
   SoilTest t;
+  require_test(c);
   t.meaning.test = strength_test_of(c.choice("test", strength_test_names()));
   if (t.meaning.test == StrengthTest::unconfined) {
     t.unconfined_strength = read_value(c, "strength_kPa", {0, 1e4});
@@ -131,9 +141,19 @@ void refuse_loose_strength(const Config& v) {
          "does not say its test: " + readings_of(angle.middle()) + "; move it to \"tests\" with the test it is from");
 }
 
+void refuse_organic(const Config& c) {
+  const std::string symbol = c.text("uscs");
+  if (symbol == "Pt" || symbol == "OL" || symbol == "OH")
+    c.fail("uscs", "is \"" + symbol +
+                       "\", an organic class: grains have no fibres or peat; name the mineral class beneath, "
+                       "one of " +
+                       join_words(uscs_classes()) + ", or leave the class out");
+}
+
 SoilState read_state(const Config& c, bool first_schema) {
   SoilState s;
   s.name = c.text("name");
+  if (c.has("uscs")) refuse_organic(c);
   s.texture = c.has("uscs") ? c.choice("uscs", uscs_classes()) : c.text_or("texture", "");
   s.note = c.text_or("note", "");
   if (c.has("moisture")) s.moisture = c.choice("moisture", {"dry", "moist", "wet"});

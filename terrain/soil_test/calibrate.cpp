@@ -13,6 +13,7 @@
 #include "base/json/seal.h"
 #include "base/parallel/host_loop.h"
 #include "base/progress.h"
+#include "base/units.h"
 #include "terrain/soil_test/penetration.h"
 #include "terrain/soil_test/strength_test.h"
 #include "terrain/soil_test/test_run.h"
@@ -73,13 +74,14 @@ constexpr double kConfiningStress = 10e3;  // [Pa]; without gravity only the rat
 /// slide past each other, and the strength is lower than at one times.
 constexpr double kCohesionRatio[] = {0, 0.5, 1};
 
-enum class TestKind { triaxial, shear, plate, loosest };
+enum class TestKind { triaxial, shear, plate, cone, loosest };
 
 /// One test. Its result is empty when the simulation failed; otherwise, by kind:
 ///   triaxial  axial and lateral stress in steady deformation, then at the peak, over the confining stress;
 ///             max residual [m/s]
 ///   shear     shear over normal stress on the plane of shear: peak, steady; max residual [m/s]
 ///   plate     k [N/m^(n+2)] and n of p = k z^n, max residual [m/s], solid fraction of the bed
+///   cone      gradient of the index over the bed's unit weight, max residual [m/s]
 ///   loosest   solid fraction of a bed that settles with its own contact laws
 struct CalibrationTest {
   TestKind kind;
@@ -118,6 +120,12 @@ PlateSettings plate_settings(const CalibrationRun& run) {
   return settings;
 }
 
+ConeSettings cone_settings(const CalibrationRun& run) {
+  ConeSettings settings;
+  settings.steps_per_time = gravity_time(run.grain_diameter) / run.numerics.step;
+  return settings;
+}
+
 /// Beds of these specs: side by side on the CPU, in one batch on a GPU. One that did not come to rest has a solid
 /// fraction of 0; on a GPU DeviceError is thrown for it.
 std::vector<Packing> settled(const std::vector<BedSpec>& specs, const CalibrationRun& run) {
@@ -142,6 +150,7 @@ std::optional<BedSpec> bed_spec(const CalibrationTest& t, const CalibrationRun& 
     cell.settled_on = run.device;
     return cell;
   }
+  if (t.kind == TestKind::cone) return cone_bed_spec(test_soil(run, t.packing, t.seed + 1), cone_settings(run));
   BedSpec bed = plate_bed_spec(test_soil(run, t.packing, t.seed + 1), plate_settings(run));
   if (t.kind == TestKind::loosest) {
     bed.settle_friction = t.grains.friction;
@@ -180,6 +189,14 @@ void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& 
   test.result = {law.k, law.n, r.worst_residual, bed.solid_fraction};
 }
 
+void run_cone(CalibrationTest& test, const CalibrationRun& run, const Packing& bed, const TestPace& pace) {
+  TestSoil soil = test_soil(run, test.packing, test.seed + 1);
+  soil.grain = law_of(test);
+  soil.tool_friction = double(soil.grain.friction);
+  const ConeResult r = cone_test(bed, soil, cone_settings(run), pace);
+  test.result = {fit_cone({r}).slope / (r.bulk_density * kGravity), r.worst_residual};
+}
+
 void run_shear(CalibrationTest& test, const CalibrationRun& run, const Packing& bed, const TestPace& pace) {
   TestSoil soil = test_soil(run, test.packing, test.seed + 1);
   soil.grain = law_of(test);
@@ -205,6 +222,8 @@ void run_test(CalibrationTest& test, const CalibrationRun& run, const Beds& beds
   switch (test.kind) {
     case TestKind::plate:
       return run_plate(test, run, bed_of(test, run, beds), pace);
+    case TestKind::cone:
+      return run_cone(test, run, bed_of(test, run, beds), pace);
     case TestKind::shear:
       return run_shear(test, run, bed_of(test, run, beds), pace);
     case TestKind::loosest:
@@ -561,6 +580,58 @@ Calibration calibrate(const CalibrationRun& run) {
   pool_cohesion(c);
   c.provenance = provenance(tests, run, contacts.size() - levels);
   return c;
+}
+
+namespace {
+
+/// Cones of all levels and packings of a table, without results, seed by seed.
+std::vector<CalibrationTest> cone_tests(const Calibration& table, const CalibrationRun& run) {
+  std::vector<CalibrationTest> tests;
+  for (std::size_t s = 0; s < std::size_t(run.seeds); ++s)
+    for (const SoilResponse& r : table.response) {
+      const ContactLevel& l = table.contact[r.contact];
+      tests.push_back({.kind = TestKind::cone,
+                       .contact = r.contact,
+                       .packing = r.packing,
+                       .seed = s,
+                       .ratio = 0,
+                       .grains = {l.friction, l.rolling_friction},
+                       .name = line("cone friction %g rolling %g settled at %g seed %zu", l.friction,
+                                    l.rolling_friction, kSettleFriction[r.packing], s + 1)});
+    }
+  return tests;
+}
+
+}  // namespace
+
+void add_cones(Calibration& table, const CalibrationRun& run) {
+  if (table.response.empty() || !(table.response.front().shear_peak.degrees > 0))
+    throw InputError(
+        "soil calibrate: the table has no angles on the plane of shear (its version is below 6), and cones "
+        "go with them; calibrate again without --onto");
+  if (table.packing.size() != std::size(kSettleFriction))
+    throw InputError(
+        line("soil calibrate: the table has %zu packings where cones are pressed into %zu; calibrate again "
+             "without --onto",
+             table.packing.size(), std::size(kSettleFriction)));
+  std::vector<CalibrationTest> tests = cone_tests(table, run);
+  run_tests(tests, run);
+  const std::size_t levels = table.response.size();
+  std::uint64_t failed = 0;
+  for (std::size_t k = 0; k < levels; ++k) {
+    std::vector<double> known;
+    for (std::size_t t = k; t < tests.size(); t += levels)
+      if (!tests[t].result.empty()) known.push_back(tests[t].result[0]);
+    failed += std::uint64_t(run.seeds) - known.size();
+    if (3 * known.size() < 2 * std::size_t(run.seeds)) continue;
+    const MeanError mean = mean_error(known);
+    table.response[k].cone_gradient = std::max(0.0, mean.mean);
+    table.response[k].cone_gradient_error = mean.error;
+  }
+  table.provenance["cone_seeds"] = run.seeds;
+  table.provenance["failed_cones"] = failed;
+  table.provenance["cone"] =
+      "30 degree cone 4 grains wide, pushed at 0.1 sqrt(g d) to 1.5 diameters into a bed of 18 x 18 grains, 18 deep";
 }
 
 }  // namespace gonogo::terrain

@@ -1,5 +1,5 @@
 // Measures a calibration table by virtual tests: triaxial compression with and without contact cohesion, plate sinkage,
-// and loosest packing. They cover a line of contact parameters and the packings of the library.
+// cones and loosest packing. They cover a line of contact parameters and the packings of the library.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -60,5 +60,11 @@ std::vector<std::string> calibration_tests(const CalibrationRun& run);
 /// Runs the tests that the journal lacks. The table does not depend on the number of threads or on interruptions.
 /// Throws Cancelled on Ctrl-C, InputError for a journal of another run.
 Calibration calibrate(const CalibrationRun& run);
+
+/// Presses cones into the packings of each contact level of a table, `run.seeds` of each, and writes the gradients of
+/// their indices into it. Grain size, shape and numerics of `run` are the table's. A packing in which more than a third
+/// of the cones fail stays without. Throws as calibrate() does, and InputError for tables without angles on the plane
+/// of shear.
+void add_cones(Calibration& table, const CalibrationRun& run);
 
 }  // namespace gonogo::terrain

@@ -294,12 +294,16 @@ Index cone_steps(const ConeSettings& s) {
   return kRestSteps + Index(way / s.speed * s.steps_per_time);
 }
 
-ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const TestPace& pace, TestScene* scene) {
-  const double d = soil.grain_diameter, diameter = settings.diameter_grains * d;
+BedSpec cone_bed_spec(const TestSoil& soil, const ConeSettings& settings) {
   if (!(settings.diameter_grains >= 2)) throw InputError("cone test: the cone must be at least two grains wide");
   const double wide = 4.5 * settings.diameter_grains;
   const double deep = std::ceil((settings.depth + cone_height(1)) * settings.diameter_grains + 4);
-  const Packing bed = test_bed(soil, wide, wide, deep, pace.threads);
+  return test_bed_spec(soil, wide, wide, deep);
+}
+
+ConeResult cone_test(const Packing& bed, const TestSoil& soil, const ConeSettings& settings, const TestPace& pace,
+                     TestScene* scene) {
+  const double d = soil.grain_diameter, diameter = settings.diameter_grains * d;
   const double tip = cone_height(diameter), shaft = 2 * settings.depth * diameter + 2 * d;
   const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(kGravity * d);
   ConeResult r;

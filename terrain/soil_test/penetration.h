@@ -90,8 +90,15 @@ struct ConeResult {
   double bulk_density = 0, worst_residual = 0;  // [kg/m^3], [m/s]
 };
 
-ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const TestPace& pace,
+/// The bed for a cone of these settings.
+BedSpec cone_bed_spec(const TestSoil& soil, const ConeSettings& settings);
+
+ConeResult cone_test(const Packing& bed, const TestSoil& soil, const ConeSettings& settings, const TestPace& pace,
                      TestScene* scene = nullptr);
+inline ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const TestPace& pace,
+                            TestScene* scene = nullptr) {
+  return cone_test(test_bed(soil, cone_bed_spec(soil, settings), pace.threads), soil, settings, pace, scene);
+}
 Index cone_steps(const ConeSettings& settings);
 
 /// Mean of the profiles of equal tests on several beds.

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -101,6 +102,45 @@ TEST_CASE("a table is what its tests measured") {
   CHECK(again.response[7].shear_steady.degrees == c.response[7].shear_steady.degrees);
   CHECK(again.contact[6].friction_angle == c.contact[6].friction_angle);
   CHECK(again.contact[6].loosest_solid_fraction == c.contact[6].loosest_solid_fraction);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("cones are added to a finished table, which keeps all else, and are read back") {
+  const auto folder = scratch("calibrate-cones");
+  CalibrationRun run = coarse_run(folder);
+  fill(run, "");
+  Calibration c = calibrate(run);
+  const Calibration before = c;
+  run.seeds = 2;
+  {
+    // Gradients are 100 times the sliding friction, 10 % more in the second packing; two of the dense level 3 fail.
+    TestJournal journal(run.journal, journal_maker(run));
+    for (const ContactLevel& l : c.contact)
+      for (const double settled : {0.8, 0.25, 0.02})
+        for (int seed = 1; seed <= run.seeds; ++seed) {
+          const bool fails = l.friction == 0.3 && settled == 0.02;
+          const std::string name =
+              line("cone friction %g rolling %g settled at %g seed %d", l.friction, l.rolling_friction, settled, seed);
+          journal.add(name, fails ? std::vector<double>{} : std::vector<double>{100 * l.friction + 2 * seed, 1e-4});
+        }
+  }
+  add_cones(c, run);
+  CHECK(c.response[5 * 3 + 1].cone_gradient == Approx(53));
+  CHECK(c.response[5 * 3 + 1].cone_gradient_error == Approx(1));
+  CHECK(c.response[3 * 3 + 2].cone_gradient == 0);
+  CHECK(c.provenance.at("failed_cones").number() == 2);
+  const double between = before.response[5 * 3].friction_angle / 2 + before.response[6 * 3].friction_angle / 2;
+  CHECK(cone_gradient(c, between, 0) == Approx(std::sqrt(53.0 * 63)).epsilon(1e-3));
+  CHECK(cone_gradient(c, before.response[3 * 3 + 2].friction_angle, 2) == 0);
+  CHECK(cone_gradient(before, between, 0) == 0);
+  write_calibration(folder / "table.json", c);
+  CHECK(contains(read_file(folder / "table.json"), "gonogo/calibration/7"));
+  const Calibration again = read_calibration(folder / "table.json");
+  CHECK(again.response[7].cone_gradient == c.response[7].cone_gradient);
+  CHECK(again.response[7].shear_steady.degrees == before.response[7].shear_steady.degrees);
+  Calibration old = before;
+  for (SoilResponse& r : old.response) r.shear_peak = {};
+  CHECK(refusal([&] { add_cones(old, run); }).find("its version is below 6") != std::string::npos);
   std::filesystem::remove_all(folder);
 }
 

@@ -31,6 +31,7 @@ SoilState state(std::vector<SoilTest> tests, const std::string& texture = "") {
   SoilState s;
   s.texture = texture;
   s.relative_density = range(0, 1);
+  s.bulk_density = fixed(1600);
   s.tests = std::move(tests);
   return s;
 }
@@ -96,6 +97,49 @@ TEST_CASE("a plate adds to what a shear box says, and contradicts one of far wea
   const SoilPosterior none = soil_posterior(without, state({strong, plate}));
   REQUIRE(none.left_out.size() == 1);
   CHECK(contains(none.left_out[0], "holds no test of a plate"));
+}
+
+TEST_CASE("cones count where the table holds some: a gradient finds the grains that show it, an index their cohesion") {
+  Calibration c = shipped_table();
+  SoilTest cone, heap;
+  cone.meaning.test = StrengthTest::cone;
+  // Made up: packings and levels differ by factors, as cones in loose and dense sand do.
+  for (SoilResponse& r : c.response)
+    r.cone_gradient = 20 * std::pow(1.4, double(r.contact)) * std::pow(3, double(r.packing));
+  const double angle = 34, unit_weight = 1600 * kGravity / 1e3;
+  cone.cone_gradient = fixed(unit_weight * cone_gradient(c, angle, 1));
+  const SoilTest triaxial = envelope(StrengthTest::triaxial, Stage::peak, angle, 0);
+  const SoilPosterior alone = soil_posterior(c, state({triaxial})), both = soil_posterior(c, state({triaxial, cone}));
+  CHECK(both.left_out.empty());
+  CHECK(both.disagreements.empty());
+  CHECK(both.packing[1] > alone.packing[1] + 0.2);
+  // Ten times as much: no packing of such grains shows it.
+  cone.cone_gradient = fixed(30 * unit_weight * cone_gradient(c, angle, 2));
+  const SoilPosterior torn = soil_posterior(c, state({triaxial, cone}));
+  REQUIRE_FALSE(torn.disagreements.empty());
+  CHECK(contains(torn.disagreements[0], "cone: gradient"));
+  // Of coarse soil the index is the gradient at mid-depth and what cohesion adds.
+  cone.cone_gradient.reset();
+  const double depth = (cone.cone_depth.minimum + cone.cone_depth.maximum) / 2, cohesion = 5;
+  const double factor = bearing_capacity_factor(angle);
+  cone.cone_index =
+      fixed(unit_weight * cone_gradient(c, angle, 1) * depth + cohesion * (factor + surcharge_factor(angle)));
+  SoilTest loose = triaxial;
+  loose.cohesion = range(0, 60);
+  CHECK(soil_posterior(c, state({loose, cone}, "sand")).cohesion.mean < 15);
+  CHECK(soil_posterior(c, state({loose}, "sand")).cohesion.mean > 25);
+  const SoilPosterior none = soil_posterior(shipped_table(), state({triaxial, cone}, "sand"));
+  REQUIRE(none.left_out.size() == 1);
+  CHECK(contains(none.left_out[0], "--onto"));
+}
+
+TEST_CASE("a number that no grains of the table show is said to be beyond it, with what they show") {
+  SoilTest cone, heap = envelope(StrengthTest::triaxial, Stage::peak, 20, 10);
+  cone.meaning.test = StrengthTest::cone;
+  cone.cone_index = fixed(500e3);
+  const SoilPosterior p = soil_posterior(shipped_table(), state({heap, cone}, "clay"));
+  REQUIRE_FALSE(p.disagreements.empty());
+  CHECK(contains(p.disagreements[0], "cone: index [kPa] is 5e+05, which no grains of the table show: theirs is"));
 }
 
 TEST_CASE("an unconfined strength and a cone index find the cohesion that shows both, in fine-grained soil alone") {

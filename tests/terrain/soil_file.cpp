@@ -10,6 +10,7 @@
 #include "base/files/file.h"
 #include "base/units.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -64,6 +65,15 @@ TEST_CASE("a soil file with a number out of range, without a source, or with an 
   CHECK_THROWS_AS(read_soil(altered("\"no_source\": \"no", "\"note\": \"no")), InputError);
   CHECK_THROWS_AS(read_soil(altered("\"water_percent\"", "\"water\"")), InputError);
   CHECK_THROWS_AS(read_soil(altered("gonogo/soil/2", "gonogo/soil/9")), InputError);
+}
+
+TEST_CASE("a strength without its test says what each would mean, and an organic class is refused by name") {
+  const std::string missing = input_error([] { read_soil(altered("\"test\": \"ring_shear\",", "")); });
+  CHECK(contains(missing,
+                 "states[0].tests[0].test: is missing beside a friction angle: as triaxial compression it is 28"));
+  CHECK(contains(missing, "as direct or ring shear 32.1 deg of triaxial compression"));
+  CHECK(contains(input_error([] { read_soil(altered("\"water_percent\": 0", "\"uscs\": \"OH\"")); }),
+                 "an organic class"));
 }
 
 TEST_CASE("a fit keeps contact law and mismatch in the soil's file, and says why a soil is refused") {

@@ -7,10 +7,11 @@ void add_map_file_options(CLI::App& command, map::MapFiles& files) {
             "Trained model: name of a shipped one or of its vehicle, or model.h5; by default the one that ships for "
             "--vehicle");
   add_named(command, "--dem", files.dem, kFile, "Elevation raster; no region file is needed then");
-  add_named(command, "--soil", files.soil, kSoil,
-            "With --dem: USDA texture, class of the USCS (SM, CH, ...), soil of configs/soils, soil file, or raster of "
-            "USDA textures; without "
-            "it the soil may be anything");
+  add_named(
+      command, "--soil", files.soil, kSoil,
+      "With --dem: USDA texture, class of the USCS (SM, CH, ...), soil of configs/soils, soil file, numbers of a test "
+      "(\"direct_shear:phi=31,c=0.5\", \"cone:index=414,soil=CL\"), or raster of USDA textures; without it the soil "
+      "may be anything");
   add_named(
       command, "--cone-index", files.cone_index, kFile,
       "With --dem: cone index or rating cone index of fine-grained soil, a number [psi, or 414kPa] or a raster [psi]");

@@ -20,6 +20,20 @@ namespace gonogo::app {
 
 namespace {
 
+/// Gradients of cone indices, one row for each contact level; empty for a table without cones.
+std::string cone_rows(const terrain::Calibration& c) {
+  std::string text;
+  for (std::size_t k = 0; k < c.contact.size(); ++k) {
+    std::string row;
+    for (std::size_t p = 0; p < c.packing.size(); ++p) {
+      const terrain::SoilResponse& r = c.response[k * c.packing.size() + p];
+      if (r.cone_gradient > 0) row += line("  %6.1f +- %-5.1f", r.cone_gradient, r.cone_gradient_error);
+    }
+    if (!row.empty()) text += line("%8.2f %8.2f ", c.contact[k].friction, c.contact[k].rolling_friction) + row + "\n";
+  }
+  return text.empty() ? text : "gradient of the cone index over unit weight, by packing\n" + text;
+}
+
 std::string table(const terrain::Calibration& c) {
   std::string text;
   for (const terrain::PackingLevel& p : c.packing) {
@@ -42,7 +56,7 @@ std::string table(const terrain::Calibration& c) {
                  l.friction, l.rolling_friction, l.friction_angle, l.friction_angle_error, peak, steady,
                  l.cohesion_gain, l.cohesion_gain_error, l.loosest_solid_fraction);
   }
-  return text;
+  return text + cone_rows(c);
 }
 
 int thread_count(const Globals& globals) { return threads_or_all(globals.threads); }
@@ -127,6 +141,21 @@ void add_tests(CLI::App& soil, const Globals& globals) {
   add_test(*test, globals, "triaxial", "Friction angle and cohesion from compression between smooth platens");
 }
 
+/// The table that cones are added to, whose grains and numerics the run takes.
+terrain::Calibration table_for_cones(const CLI::App& command, const std::string& file, int cones,
+                                     terrain::CalibrationRun& run) {
+  if (cones == 0) throw InputError("soil calibrate: --onto adds cones to a table; say how many with --cones, 1 to 50");
+  for (const char* other : {"--grain", "--shape", "--seeds", "--angle-seeds", "--friction"})
+    if (command.count(other) > 0)
+      throw InputError(std::string("soil calibrate: --onto takes grains and levels from its table; leave out ") +
+                       other);
+  terrain::Calibration table = terrain::read_calibration(file);
+  run.grain_diameter = table.grain_diameter;
+  run.shape = table.shape;
+  if (!numerics_given(command)) run.numerics = terrain::numerics_by_table(table, file);
+  return table;
+}
+
 void add_calibrate(CLI::App& soil, const Globals& globals) {
   CLI::App* command = soil.add_subcommand(
       "calibrate", "Measure friction angle, cohesion, density and sinkage modulus of a grain size by virtual tests");
@@ -139,6 +168,10 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
              "Packings of each density whose friction angle is measured, cohesion and plates with --seeds of them");
   command->add_option("--friction", run->friction_range,
                       "Min and max sliding friction of the contact levels, for a table of a narrow range of soils");
+  const auto cones = std::make_shared<int>(0);
+  const auto onto = std::make_shared<std::string>();
+  add_number(*command, "--cones", *cones, {0, 50}, "Packings of each density into which cones are pressed");
+  add_named(*command, "--onto", *onto, kFile, "With --cones: table to which they are added; nothing else is measured");
   const auto keep = std::make_shared<bool>(false);
   command->add_flag(
       "--keep-tests", *keep,
@@ -149,12 +182,17 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
       ->required();
   add_examples(*command,
                {"gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json",
+                "gonogo soil calibrate --onto configs/soils/calibration_32mm.json --cones 4 --out with_cones.json",
                 "gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json"});
-  command->callback([&globals, command, run, out, keep] {
+  command->callback([&globals, command, run, out, keep, cones, onto] {
     if (!numerics_given(*command)) run->numerics = terrain::usual_numerics(run->grain_diameter);
     run->threads = thread_count(globals);
     run->journal = *out + ".tests";
-    const terrain::Calibration c = terrain::calibrate(*run);
+    terrain::Calibration c = onto->empty() ? terrain::calibrate(*run) : table_for_cones(*command, *onto, *cones, *run);
+    if (*cones > 0) {
+      run->seeds = *cones;
+      terrain::add_cones(c, *run);
+    }
     terrain::write_calibration(*out, c);
     if (!*keep) std::filesystem::remove(run->journal);
     Json json;

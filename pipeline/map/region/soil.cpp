@@ -4,13 +4,14 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <sstream>
 
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
 #include "base/units.h"
+#include "pipeline/map/soils/soil_of_numbers.h"
+#include "terrain/soil/bearing.h"
 #include "terrain/soil/soil.h"
 
 namespace gonogo::map {
@@ -123,7 +124,10 @@ SoilSample read_sample(const Config& config) {
 }  // namespace
 
 std::string read_texture(const Config& config) {
-  return config.has("texture") ? config.choice("texture", terrain::usda_textures()) : "";
+  if (!config.has("texture")) return "";
+  std::vector<std::string> known = terrain::usda_textures();
+  known.insert(known.end(), terrain::uscs_classes().begin(), terrain::uscs_classes().end());
+  return config.choice("texture", known);
 }
 
 void take_named(const Config& config, const std::string& key, Soil& soil) {
@@ -135,6 +139,7 @@ void take_named(const Config& config, const std::string& key, Soil& soil) {
     config.fail(key, error.what());
   }
   soil.samples = named.samples;
+  soil.doubts = named.doubts;
   soil.draws = named.draws;
   if (soil.texture.empty()) soil.texture = named.texture;
 }
@@ -194,10 +199,6 @@ Soil read_road_soil(const Config& config, int code, const std::string& name) {
 namespace fs = std::filesystem;
 namespace {
 
-/// Points of each state of a soil that is named or not given. The same for all, so that a state gives the same answer
-/// alone and among others.
-constexpr int kDraws = 32;
-
 std::string lower(std::string text) {
   for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -254,7 +255,7 @@ bool is_of(const terrain::SoilState& state, const std::string& moisture) {
 
 /// The states of one texture, or of one class of the USCS, at this moisture.
 Soil texture_soil(const terrain::SoilFile& usda, const std::string& texture, const std::string& moisture) {
-  Soil soil{.name = texture + (moisture.empty() ? "" : ", " + moisture), .texture = texture, .draws = kDraws};
+  Soil soil{.name = texture + (moisture.empty() ? "" : ", " + moisture), .texture = texture, .draws = kSoilDraws};
   for (const terrain::SoilState& state : usda.states)
     if (state.texture == texture && is_of(state, moisture))
       soil.samples.push_back(sample_of(state, soil.samples.size()));
@@ -297,66 +298,6 @@ fs::path find_soil_file(const std::string& name) {
 
 }  // namespace
 
-namespace {
-
-/// "28" of the key "phi" in "phi=28,c=1.04"; takes it out of `left`.
-std::optional<double> take_number(std::map<std::string, double>& left, const std::string& key) {
-  const auto found = left.find(key);
-  if (found == left.end()) return std::nullopt;
-  const double value = found->second;
-  left.erase(found);
-  return value;
-}
-
-[[noreturn]] void refuse_numbers(const std::string& text, const std::string& what) {
-  throw InputError("\"" + text + "\": " + what +
-                   "; give for example \"direct_shear:phi=31,c=0.5\", \"triaxial:phi=34,c=1\", \"repose:phi=30\" or "
-                   "\"bevameter:n=1.1,k_c=0.99,k_phi=1528,c=1.04,phi=28,K=25\" [deg, kPa, kN/m^(n+1), kN/m^(n+2), mm]");
-}
-
-/// A soil by numbers of one test: "bevameter:n=1.1,k_c=0.99,k_phi=1528,c=1.04,phi=28,K=25". Nothing for other texts.
-std::optional<Soil> soil_of_numbers(const std::string& text) {
-  const auto colon = text.find(':');
-  const std::string test = text.substr(0, colon);
-  const auto& tests = terrain::strength_test_names();
-  const bool bevameter = test == "bevameter";
-  if (colon == std::string::npos || (!bevameter && std::find(tests.begin(), tests.end(), test) == tests.end()))
-    return std::nullopt;
-  std::map<std::string, double> left;
-  std::istringstream entries(text.substr(colon + 1));
-  for (std::string entry; std::getline(entries, entry, ',');) {
-    const auto equals = entry.find('=');
-    const auto value = parsed<double>(entry.substr(equals == std::string::npos ? entry.size() : equals + 1));
-    if (!value) refuse_numbers(text, "\"" + entry + "\" is no number by name");
-    left[entry.substr(0, equals)] = *value;
-  }
-  const auto angle = take_number(left, "phi"), cohesion = take_number(left, "c"),
-             density = take_number(left, "density");
-  SoilSample sample;
-  sample.source = text;
-  const auto set = [&sample, &text](const char* name, double value, double most, const terrain::AngleMeaning& meaning) {
-    if (!(value >= 0 && value <= most)) refuse_numbers(text, line("%s %g is not between 0 and %g", name, value, most));
-    sample.values[name] = {Spread::Kind::fixed, value, value, text, meaning};
-  };
-  const terrain::AngleMeaning meaning{bevameter ? terrain::StrengthTest::ring_shear : terrain::strength_test_of(test)};
-  if (!angle)
-    refuse_numbers(text, "has no friction angle phi, and " + test + " alone tells no strength of a wheel's soil");
-  set("friction_angle", *angle, 60, meaning);
-  if (!cohesion && meaning.test != terrain::StrengthTest::repose) refuse_numbers(text, "has no cohesion c");
-  set("cohesion", cohesion.value_or(0), 100, {});
-  if (density) set("relative_density", *density, 1, {});
-  if (bevameter)
-    for (const char* key : {"n", "k_c", "k_phi", "K"})
-      if (!take_number(left, key)) refuse_numbers(text, std::string("has no ") + key);
-  if (!left.empty()) refuse_numbers(text, "\"" + left.begin()->first + "\" is not known");
-  terrain::as_triaxial(terrain::MacroscopicSoil{*angle, 0, 0, 0, meaning});  // refuses tests without an angle
-  Soil soil{.name = text, .draws = kDraws};
-  soil.samples.push_back(std::move(sample));
-  return soil;
-}
-
-}  // namespace
-
 Soil named_soil(const std::string& text, const std::string& asked) {
   if (auto soil = soil_of_numbers(text)) return *soil;
   const auto [name, moisture] = split(text, asked);
@@ -372,12 +313,14 @@ Soil named_soil(const std::string& text, const std::string& asked) {
   std::vector<std::string> states;
   for (const terrain::SoilState& state : file.states) {
     states.push_back(state.name);
-    if (is_of(state, moisture)) soil.samples.push_back(sample_of(state, soil.samples.size()));
+    if (!is_of(state, moisture)) continue;
+    soil.samples.push_back(sample_of(state, soil.samples.size()));
+    if (const auto doubt = terrain::plates_against_strength(state)) soil.doubts.push_back(state.name + ": " + *doubt);
   }
   if (soil.samples.empty())
     throw InputError(path.string() + ": no state of this soil is " + moisture + "; it has: " + join_words(states) +
                      "; leave the moisture open to take all of them");
-  soil.draws = kDraws;
+  soil.draws = kSoilDraws;
   return soil;
 }
 
@@ -385,7 +328,7 @@ Soil soil_not_given(const std::string& moisture) {
   Soil soil;
   soil.name = "soil not given: any USDA texture" + (moisture.empty() ? ", dry, moist or wet" : ", " + moisture);
   soil.given = false;
-  soil.draws = kDraws;
+  soil.draws = kSoilDraws;
   for (const terrain::SoilState& state : terrain::read_soil(usda_file()).states)
     if (is_of(state, moisture)) soil.samples.push_back(sample_of(state, soil.samples.size()));
   return soil;

@@ -67,7 +67,8 @@ struct Soil {
   double max_speed = std::numeric_limits<double>::infinity();  // of a road [m/s]
   std::string
       not_texture{};  // file of a soil that has the name of a USDA texture and is another one; empty: no such name
-  bool given = true;  // false: nobody said what the soil is, the samples are all that it may be
+  std::vector<std::string> doubts{};  // one sentence each: measurements of it that contradict each other
+  bool given = true;                  // false: nobody said what the soil is, the samples are all that it may be
 };
 
 /// Soils of roads have codes from here on, beyond those of rasters.

@@ -238,6 +238,7 @@ void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& po
   for (const std::string& because : points.stronger_because()) remarks.push_back(where + because);
   if (!points.outside_because().empty()) remarks.push_back(where + join_words(points.outside_because()));
   remark_on_tests(region, soil, where, remarks);
+  for (const std::string& doubt : soil.doubts) remarks.push_back(where + doubt);
 }
 
 /// Which variables leave what trials sampled, and on which share of the area.

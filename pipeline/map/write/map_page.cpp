@@ -458,6 +458,8 @@ Json provenance_json(const MapRequest& request, const terrain::MapGrid& grid, co
   if (request.region.land_cover) add_raster("Land cover", *request.region.land_cover);
   if (request.region.moisture) add_raster("Moisture", *request.region.moisture);
   if (request.region.cone_index) add_raster("Cone index", *request.region.cone_index);
+  if (const auto index = request.region.cone_index_everywhere)
+    add("Cone index", line("%.4g psi (%.4g kPa) of all fine-grained soil, as given", *index / kPsi, *index / 1e3));
   if (!request.rules.moisture.empty()) add("Scenario", request.rules.moisture);
   add("Coordinates", grid.crs_code.empty() ? grid.crs_name : grid.crs_name + ", " + grid.crs_code);
   for (const auto& [key, value] : metadata)

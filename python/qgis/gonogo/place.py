@@ -9,9 +9,11 @@ def add_place(algorithm):
     algorithm.addParameter(QgsProcessingParameterRasterLayer("DEM", "Elevation [m], in a projected coordinate system"))
     algorithm.addParameter(QgsProcessingParameterString("MODEL", "Model: name of a shipped one, of its vehicle, or a file",
                                                         defaultValue="hmmwv"))
-    algorithm.addParameter(QgsProcessingParameterString("SOIL", "Soil: USDA texture or name; empty: it may be anything",
-                                                        optional=True))
+    algorithm.addParameter(QgsProcessingParameterString("SOIL", "Soil: USDA texture, USCS class, name or numbers of a "
+                                                        "test; empty: it may be anything", optional=True))
     algorithm.addParameter(QgsProcessingParameterRasterLayer("SOIL_RASTER", "Soil: raster of USDA textures", optional=True))
+    algorithm.addParameter(QgsProcessingParameterString("CONE_INDEX", "Cone index of fine-grained soil: 60 [psi] or 414kPa",
+                                                        optional=True))
     algorithm.addParameter(QgsProcessingParameterEnum("MOISTURE", "Moisture", MOISTURES, defaultValue=0))
     algorithm.addParameter(QgsProcessingParameterString("SETTINGS", "Values of the mission: payload=500 tyre_friction=0.8",
                                                         optional=True))
@@ -27,6 +29,9 @@ def place_arguments(algorithm, parameters, context):
     soil = file_of(raster) if raster else algorithm.parameterAsString(parameters, "SOIL", context).strip()
     if soil:
         arguments += ["--soil", soil]
+    index = algorithm.parameterAsString(parameters, "CONE_INDEX", context).strip()
+    if index:
+        arguments += ["--cone-index", index]
     moisture = MOISTURES[algorithm.parameterAsEnum(parameters, "MOISTURE", context)]
     if moisture != "any":
         arguments += ["--moisture", moisture]

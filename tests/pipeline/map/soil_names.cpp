@@ -46,10 +46,47 @@ TEST_CASE("numbers of a shear test become those of triaxial compression before t
   CHECK(angle_of(point_of("direct_shear:phi=28,c=0.5,density=0.5", region)) != Approx(terrain::angle_of_triaxial(28)));
 }
 
+TEST_CASE("a cone index of fine-grained soil and an unconfined strength become the cohesion that shows them") {
+  const auto clay = point_of("cone:index=414,soil=cl,phi=15");
+  CHECK(angle_of(clay) == 15);
+  CHECK(terrain::cone_index(1e3 * cohesion_of(clay), 15) == Approx(414e3));
+  const Soil one = named_soil("cone:index=414,soil=cl,phi=15", "");
+  REQUIRE(one.samples.size() == 1);
+  CHECK(one.samples[0].texture == "CL");
+  CHECK(*one.samples[0].cone_index == Approx(414e3));
+  // Without an angle each is an alternative, as long as friction alone does not show more.
+  const Soil any = named_soil("cone:index=414,soil=silty clay,density=0.6", "");
+  REQUIRE(any.samples.size() == 7);
+  for (const SoilSample& s : any.samples) {
+    CHECK(terrain::cone_index(1e3 * middle(s, "cohesion"), middle(s, "friction_angle")) == Approx(414e3));
+    CHECK(s.alternative == &s - any.samples.data());
+    CHECK(middle(s, "relative_density") == 0.6);
+  }
+  const auto crushed = point_of("unconfined:strength=60,phi=10");
+  CHECK(cohesion_of(crushed) == Approx(30 * std::tan(to_radians(40))));
+}
+
+TEST_CASE("a bevameter whose plates its shear cannot bear is doubted, and so is a soil file's") {
+  CHECK(named_soil("bevameter:n=1.1,k_c=0.99,k_phi=1528,c=1.04,phi=28,K=25", "").doubts.empty());
+  const Soil torn = named_soil("bevameter:n=1.1,k_c=0.99,k_phi=30000,c=1.04,phi=28,K=25", "");
+  REQUIRE(torn.doubts.size() == 1);
+  CHECK(contains(torn.doubts[0], "plates and shear contradict each other by limit analysis"));
+  CHECK(named_soil("lete_sand", "").doubts.size() == 1);
+  CHECK(named_soil("dry_sand", "").doubts.empty());
+}
+
 TEST_CASE("numbers that say no strength, or too little of it, are refused with an example") {
   const auto refused = [](const std::string& text) { return input_error([&] { named_soil(text, ""); }); };
-  CHECK(contains(refused("cone:index=60"), "has no friction angle phi, and cone alone tells no strength"));
-  CHECK(contains(refused("cone:phi=30,c=1"), "shows no friction angle"));
+  CHECK(contains(refused("plate:n=1"), "has no friction angle phi, and plate alone tells no strength"));
+  CHECK(contains(refused("plate:phi=30,c=1"), "shows no friction angle"));
+  CHECK(contains(refused("cone:phi=30"), "has no cone index index"));
+  CHECK(contains(refused("cone:index=414"), "tells a strength in fine-grained soil alone"));
+  CHECK(contains(refused("cone:index=414,soil=SM"), "tells a strength in fine-grained soil alone"));
+  CHECK(contains(refused("cone:index=414,soil=OH"), "\"OH\" is neither a class of the USCS with mineral grains"));
+  CHECK(contains(refused("cone:index=9000,soil=CL,phi=10"), "the index means a cohesion beyond the 100 kPa"));
+  CHECK(contains(refused("cone:index=12000,soil=CL"), "index 12000 is not between 0 and 10000"));
+  CHECK(contains(refused("cone:index=5,soil=CL,phi=30"), "give a smaller angle"));
+  CHECK(contains(refused("unconfined:strength=60"), "has no friction angle phi"));
   CHECK(contains(refused("direct_shear:phi=31"), "has no cohesion c; give for example"));
   CHECK(contains(refused("bevameter:c=1,phi=28"), "has no n"));
   CHECK(contains(refused("triaxial:phi=34,c=1,psi=3"), "\"psi\" is not known"));
