@@ -102,8 +102,8 @@ std::optional<std::string> plates_against_strength(const SoilState& state, const
   if (std::abs(worst->deviation) <= kMisses) return std::nullopt;
   const bool above = worst->deviation > 0;
   return line(
-      "plates and shear contradict each other by limit analysis: %.3g m deep the plates carry %.3g kPa, and soil of "
-      "%.3g deg and %.3g kPa by %s carries %s %.3g kPa; %s",
+      "plates and shear contradict each other by limit analysis: %.3g m deep the plates carry %.4g kPa, and soil of "
+      "%.3g deg and %.3g kPa by %s carries %s %.4g kPa; %s",
       worst->depth, worst->pressure / 1e3, state.friction_angle.middle(), state.cohesion.middle(),
       state.meaning.text().c_str(), above ? "at most" : "at least",
       (above ? worst->range.most : worst->range.least) / 1e3,

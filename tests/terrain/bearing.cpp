@@ -38,8 +38,9 @@ TEST_CASE("a rigid strip's exact capacity lies between the least and the most th
 
 TEST_CASE("a plate carries more on stronger soil, deeper down, and on heavier soil") {
   const BearingRange one = bearing_range(soil(30, 1e3), 16e3, 0.1, 0.05);
-  for (const BearingRange& more : {bearing_range(soil(32, 1e3), 16e3, 0.1, 0.05), bearing_range(soil(30, 2e3), 16e3, 0.1, 0.05),
-                                   bearing_range(soil(30, 1e3), 18e3, 0.1, 0.05), bearing_range(soil(30, 1e3), 16e3, 0.1, 0.1)}) {
+  for (const BearingRange& more :
+       {bearing_range(soil(32, 1e3), 16e3, 0.1, 0.05), bearing_range(soil(30, 2e3), 16e3, 0.1, 0.05),
+        bearing_range(soil(30, 1e3), 18e3, 0.1, 0.05), bearing_range(soil(30, 1e3), 16e3, 0.1, 0.1)}) {
     CHECK(more.least > one.least);
     CHECK(more.most > one.most);
   }

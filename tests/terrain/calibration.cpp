@@ -352,6 +352,27 @@ TEST_CASE("triaxial compression and simple shear of the shipped tables end in th
   }
 }
 
+TEST_CASE("at their peaks both tests of the 32 mm table agree through the dilation that shear cells show") {
+  // Rise of the plate over its travel around the peak, 4 to 8 cells of the middle packing (docs/log/creep.md).
+  struct Dilation {
+    double friction, angle, error;
+  };
+  constexpr Dilation kMeasured[] = {{0.05, 0.2, 0.5}, {0.1, 1.5, 0.6}, {0.2, 1.6, 0.6}, {0.3, 2.2, 0.9},
+                                    {0.4, 3.8, 0.9},  {0.5, 4.7, 0.8}, {0.6, 7.2, 1.9}, {0.7, 8.3, 0.9},
+                                    {0.8, 9.1, 3.4},  {0.9, 9.2, 1.1}};
+  const Calibration c =
+      read_calibration(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils/calibration_32mm.json");
+  for (std::size_t k = 0; k < std::size(kMeasured); ++k) {
+    const Dilation& psi = kMeasured[k];
+    const SoilResponse& r = c.response[3 * k + 1];
+    CAPTURE(psi.friction);
+    REQUIRE(c.contact[k].friction == psi.friction);
+    const auto on_plane = [&](double dilation) { return angle_on_plane(r.friction_angle, dilation); };
+    const double error = std::hypot(r.shear_peak.error, on_plane(psi.angle + psi.error) - on_plane(psi.angle));
+    CHECK(r.shear_peak.degrees == Approx(on_plane(psi.angle)).margin(2 + 3 * error));
+  }
+}
+
 TEST_CASE("beds of the shipped trefoils harden with density and end in one critical state, and stand for GRC-1") {
   const std::filesystem::path soils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
   const Calibration c = read_calibration(soils / "calibration_32mm_trefoil.json");

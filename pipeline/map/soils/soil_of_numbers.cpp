@@ -172,6 +172,7 @@ std::optional<Soil> soil_of_numbers(const std::string& text) {
                  : test == "unconfined" ? std::vector{of_unconfined(n)}
                                         : std::vector{of_envelope(n, soil)};
   n.finish();
+  soil.texture = n.kind_of_soil();
   if (density)
     for (SoilSample& sample : soil.samples)
       sample.values["relative_density"] = {Spread::Kind::fixed, *density, *density, text, {}};

@@ -299,14 +299,32 @@ void remark_on_no_soil(const MapSummary& summary, const SoilTable& table, std::v
                       " of the area is unknown; name a soil with --soil, and a moisture with --moisture");
 }
 
+/// Whether every soil on the map says this variable itself.
+bool soils_say(const SoilTable& table, const std::string& variable) {
+  const auto says = [&](const Spreads& values) {
+    const auto found = values.find(variable);
+    return found != values.end() && found->second.kind != Spread::Kind::unknown;
+  };
+  for (std::size_t s = 0; s < table.soils.size(); ++s) {
+    const Soil& soil = table.soils[s];
+    if (table.cells[s] == 0 || says(soil.values)) continue;
+    const auto& samples = soil.samples;
+    if (samples.empty() ||
+        !std::all_of(samples.begin(), samples.end(), [&](const SoilSample& x) { return says(x.values); }))
+      return false;
+  }
+  return !table.soils.empty();
+}
+
 /// What P(go) is averaged over, besides the soil.
-void remark_on_mission(const Region& region, const MapRules& rules, std::vector<std::string>& remarks) {
+void remark_on_mission(const Region& region, const MapRules& rules, const SoilTable& table,
+                       std::vector<std::string>& remarks) {
   Spreads spreads = rules.values;
   spreads.insert(region.values.begin(), region.values.end());
   std::vector<std::string> averaged;
   for (const auto& [name, spread] : spreads) {
     const campaign::Variable& variable = campaign::contract().variables[campaign::contract().variable_index(name)];
-    if (spread.kind != Spread::Kind::range || variable.prior == "region") continue;
+    if (spread.kind != Spread::Kind::range || variable.prior == "region" || soils_say(table, name)) continue;
     averaged.push_back(name + line(" %.3g to %.3g", spread.low, spread.high) +
                        (variable.unit == "1" || variable.unit == "-" ? "" : " " + variable.unit) + " (" +
                        spread.source + ")");
@@ -326,7 +344,7 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest&
       remark_on_soil(region, table.soils[s], table.responses[s].points(),
                      double(table.cells[s]) / double(summary.area.total()), remarks);
   if (summary.area.total() > 0) remark_on_ranges(request.model, digest, table, remarks);
-  remark_on_mission(region, request.rules, remarks);
+  remark_on_mission(region, request.rules, table, remarks);
   if (summary.area.total() == 0)
     remarks.push_back("no cell has a slope: every cell is at the border or next to one without elevation");
   const bool given = std::all_of(table.soils.begin(), table.soils.end(), [](const Soil& s) { return s.given; });

@@ -238,6 +238,19 @@ TEST_CASE("a cone index of all of the ground decides as a raster of it does") {
   }
 }
 
+TEST_CASE("a map names what it averages over, but not what its soils say themselves") {
+  const TemporaryFolder folder;
+  make_ground(folder);
+  MapRequest request = request_of(folder, usda_soils("clay loam, wet"));
+  for (const char* name : {"cohesion", "payload"})
+    request.region.values[name] = {Spread::Kind::range, 1, 2, "not given", {}};
+  std::string averaged;
+  for (const std::string& remark : make_map(request).remarks)
+    if (contains(remark, "P(go) is averaged over")) averaged += remark;
+  CHECK(contains(averaged, "payload 1 to 2"));
+  CHECK_FALSE(contains(averaged, "cohesion"));
+}
+
 TEST_CASE("a high cone index rules out the moistures that it contradicts") {
   const TemporaryFolder folder;
   make_ground(folder);

@@ -53,6 +53,7 @@ TEST_CASE("a cone index of fine-grained soil and an unconfined strength become t
   const Soil one = named_soil("cone:index=414,soil=cl,phi=15", "");
   REQUIRE(one.samples.size() == 1);
   CHECK(one.samples[0].texture == "CL");
+  CHECK(one.texture == "CL");
   CHECK(*one.samples[0].cone_index == Approx(414e3));
   // Without an angle each is an alternative, as long as friction alone does not show more.
   const Soil any = named_soil("cone:index=414,soil=silty clay,density=0.6", "");
