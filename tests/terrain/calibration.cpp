@@ -352,14 +352,16 @@ TEST_CASE("triaxial compression and simple shear of the shipped tables end in th
   }
 }
 
-TEST_CASE("at their peaks both tests of the 32 mm table agree through the dilation that shear cells show") {
+TEST_CASE(
+    "at their peaks both tests of the 32 mm table agree through the dilation that shear cells show, but for the "
+    "roughest") {
   // Rise of the plate over its travel around the peak, 4 to 8 cells of the middle packing (docs/log/creep.md).
   struct Dilation {
     double friction, angle, error;
   };
-  constexpr Dilation kMeasured[] = {{0.05, 0.2, 0.5}, {0.1, 1.5, 0.6}, {0.2, 1.6, 0.6}, {0.3, 2.2, 0.9},
-                                    {0.4, 3.8, 0.9},  {0.5, 4.7, 0.8}, {0.6, 7.2, 1.9}, {0.7, 8.3, 0.9},
-                                    {0.8, 9.1, 3.4},  {0.9, 9.2, 1.1}};
+  constexpr Dilation kMeasured[] = {{0.05, 0.2, 0.5}, {0.1, 1.5, 0.6}, {0.2, 1.6, 0.6}, {0.3, 2.1, 0.7},
+                                    {0.4, 3.8, 0.9},  {0.5, 4.7, 0.8}, {0.6, 7.2, 1.1}, {0.7, 8.3, 0.9},
+                                    {0.8, 8.6, 1.6},  {0.9, 9.2, 1.1}};
   const Calibration c =
       read_calibration(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils/calibration_32mm.json");
   for (std::size_t k = 0; k < std::size(kMeasured); ++k) {
