@@ -9,7 +9,6 @@
 #   docker run --rm --gpus all gonogo:cuda doctor
 ARG BASE=debian:12
 FROM ${BASE}
-SHELL ["/bin/bash", "-euo", "pipefail", "-c"]
 WORKDIR /opt/gonogo
 
 # Packages first: they are installed anew only when these two scripts change.
@@ -19,11 +18,9 @@ RUN scripts/setup.sh && rm -rf /var/lib/apt/lists/*
 COPY . .
 ARG PRESET=cpu-release
 ARG GONOGO_REVISION=unknown
-RUN source scripts/common.sh && \
-    configure "$PRESET" -DGONOGO_TESTS=OFF && \
-    build "$PRESET" gonogo && \
-    ln -s "/opt/gonogo/build/$PRESET/gonogo" /usr/local/bin/gonogo && \
-    gonogo doctor
+# Bash by name: images in OCI format, as buildah and podman make them, keep no SHELL.
+RUN ["/bin/bash", "-euo", "pipefail", "-c", "source scripts/common.sh; configure $PRESET -DGONOGO_TESTS=OFF; build $PRESET gonogo; \
+    ln -s /opt/gonogo/build/$PRESET/gonogo /usr/local/bin/gonogo; gonogo doctor"]
 
 WORKDIR /work
 ENTRYPOINT ["gonogo"]

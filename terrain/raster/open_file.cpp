@@ -285,6 +285,7 @@ DatasetHandle open_file(const fs::path& path, FileKind kind) {
   if (is_netcdf && fs::is_regular_file(path, ec)) require_whole_netcdf(path);
   DatasetHandle dataset = open_in_time(path, name, kind);
   require_whole_raw(path, *dataset);
+  require_whole_points(path, *dataset);
   if (network_allowed()) return dataset;
   check_sidecar(path, *dataset);
   if (!format || !EQUAL(format, "VRT")) check_folder(path, *dataset);

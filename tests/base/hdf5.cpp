@@ -160,6 +160,25 @@ TEST_CASE("hdf5: one changed byte anywhere in the content is noticed") {
   }
 }
 
+TEST_CASE("hdf5: a seal that is itself damaged or cut off in part does not make a file one of another program") {
+  const Folder folder;
+  const fs::path path = folder.path / "damaged.h5";
+  Hdf5Writer small;
+  small.array("a", std::vector<double>{1, 2, 3});
+  const std::string whole = small.image();
+  const std::size_t seal = whole.rfind("\ngonogo seal");
+  for (std::size_t at = seal; at < whole.size(); ++at) {
+    CAPTURE(at);
+    std::string bytes = whole;
+    bytes[at] = char(bytes[at] ^ 1);
+    write_file_atomically(path, bytes);
+    CHECK(contains(message_of([&] { Hdf5Reader{path}; }), "is damaged"));
+    if (at == seal) continue;
+    write_file_atomically(path, std::string_view(whole).substr(0, at));
+    CHECK(contains(message_of([&] { Hdf5Reader{path}; }), "is damaged"));
+  }
+}
+
 TEST_CASE("hdf5: files of other programs, without a seal, are read") {
   const Folder folder;
   const std::string whole = sample().image();

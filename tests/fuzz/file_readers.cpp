@@ -60,6 +60,12 @@ Reader raster(const std::string& name, const std::string& format, const std::str
   return {name, file, file, in_format(format, file), read_heights};
 }
 
+/// Points of a grid; the coordinate system stands beside them, as the format has no place for it.
+void make_points(const fs::path& folder) {
+  in_format("XYZ", "a.xyz")(folder);
+  write_file_atomically(folder / "a.xyz.aux.xml", "<PAMDataset><SRS>EPSG:32610</SRS></PAMDataset>");
+}
+
 std::string read_shapes(const fs::path& file) {
   const auto cells = cells_under(file, grid_of_ground());
   ShapeCells marked(grid_of_ground());
@@ -102,6 +108,7 @@ const std::vector<Reader>& file_readers() {
       raster("raster_pcraster", "PCRaster", "a.map"),
       raster("raster_grib", "GRIB", "a.grb2"),
       raster("raster_virtual", "VRT", "a.vrt"),
+      {"raster_xyz", "a.xyz", "a.xyz", make_points, read_heights, true},
       shapes("shapes_shp", "ESRI Shapefile", "a.shp", "a.shp"),
       shapes("shapes_shx", "ESRI Shapefile", "a.shp", "a.shx"),
       shapes("shapes_dbf", "ESRI Shapefile", "a.shp", "a.dbf"),

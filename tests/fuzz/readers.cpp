@@ -64,6 +64,7 @@ const std::vector<Reader>& readers() {
          [](const fs::path& file) { return std::to_string(vehicle::read_any_vehicle(file).wheel.size()); }},
     };
     all.insert(all.end(), ours.begin(), ours.end());
+    all.insert(all.end(), sealed_readers().begin(), sealed_readers().end());
     return all;
   }();
   return list;

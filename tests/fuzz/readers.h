@@ -15,12 +15,16 @@ struct Reader {
   /// All that the program sees of the file, as text. Throws InputError for a refused one.
   std::function<std::string(const std::filesystem::path& file)> read;
   bool ends_anywhere = false;  // a file cut at the end of a line is a whole one
+  bool is_sealed = false;      // it holds a hash of itself: what is read is what was written
 };
 
 /// Of rasters, shapes and tables.
 const std::vector<Reader>& file_readers();
 
-/// These, and those of files in formats of this project.
+/// Of files that this project writes and that hold a hash of themselves.
+const std::vector<Reader>& sealed_readers();
+
+/// All, with those of files that people write in formats of this project.
 const std::vector<Reader>& readers();
 
 }  // namespace gonogo::fuzz

@@ -92,6 +92,29 @@ TEST_CASE("line-separated GeoJSON with a line that is cut off is refused") {
   CHECK(contains(input_error([&] { cells_under(folder / "a.geojsonl", grid); }), "damaged or incomplete"));
 }
 
+TEST_CASE("points of a grid that are cut off within a line are refused") {
+  const TemporaryFolder folder;
+  std::string points;
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 8; ++column)
+      points += std::to_string(500005 + 10 * column) + " " + std::to_string(4399995 - 10 * row) + " " +
+                std::to_string(100 + column + 10 * row) + "\n";
+  write_file_atomically(folder / "a.xyz.aux.xml", "<PAMDataset><SRS>EPSG:32610</SRS></PAMDataset>");
+  const auto sentence = [&](std::size_t length) {
+    write_file_atomically(folder / "a.xyz", points.substr(0, length));
+    return input_error([&] { RasterSource::open_heights(folder / "a.xyz", {}, {}); });
+  };
+  CHECK(sentence(points.size()).empty());
+  CHECK(sentence(points.size() - 1).empty());  // all points, without a line end
+  const std::size_t line = points.size() / 48;
+  for (std::size_t length = 21 * line + 1; length < 22 * line; ++length) {
+    INFO(length);
+    CHECK_FALSE(sentence(length).empty());
+  }
+  CHECK(contains(sentence(22 * line - 2),
+                 "is cut off: its last line has no end, and the grid of its points has 24 cells for 22 points"));
+}
+
 TEST_CASE("curves, collections and surfaces mark the cells of their straight forms") {
   const TemporaryFolder folder;
   const MapGrid grid = grid_of_test(folder);

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -188,6 +189,23 @@ void require_whole_raw(const std::filesystem::path& file, GDALDataset& dataset) 
     largest = std::max<std::uint64_t>(largest, size);
   }
   if (largest < needed) refuse_cut(file, largest, needed);
+}
+
+void require_whole_points(const std::filesystem::path& file, GDALDataset& dataset) {
+  if (!EQUAL(dataset.GetDriverName(), "XYZ")) return;
+  std::ifstream in(file, std::ios::binary);
+  const double cells = double(dataset.GetRasterXSize()) * dataset.GetRasterYSize();
+  double points = 0;
+  std::string line;
+  while (std::getline(in, line)) {
+    const auto first = line.find_first_not_of(" \t\r\"");
+    points +=
+        first != std::string::npos && std::string_view("0123456789+-.").find(line[first]) != std::string_view::npos;
+    if (in.eof() && points < cells)  // the last line, without an end
+      throw InputError(file.string() + ": is cut off: its last line has no end, and the grid of its points has " +
+                       std::to_string(std::uint64_t(cells)) + " cells for " + std::to_string(std::uint64_t(points)) +
+                       " points; fetch it again");
+  }
 }
 
 }  // namespace gonogo::terrain

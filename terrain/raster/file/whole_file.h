@@ -14,4 +14,8 @@ void require_whole_netcdf(const std::filesystem::path& file);
 /// has less bytes than its cells; of other formats, nothing.
 void require_whole_raw(const std::filesystem::path& file, GDALDataset& dataset);
 
+/// Throws InputError for points of a grid (XYZ) whose last line has no end where points are missing; of other formats,
+/// nothing.
+void require_whole_points(const std::filesystem::path& file, GDALDataset& dataset);
+
 }  // namespace gonogo::terrain
