@@ -23,6 +23,7 @@ for option in "$@"; do
   case $option in
     --tests)
       packages+=(slurm-wlm munge openmpi-bin libopenmpi-dev clang-format-14)  # engines of campaigns; format.sh
+      packages+=(gdal-bin)                                                    # commands that sentences advise
       packages+=(python3-qgis)                                                # the plug-in, headless
       python=true
       ;;

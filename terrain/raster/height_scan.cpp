@@ -331,11 +331,12 @@ class Voids {
       }
   }
   [[noreturn]] void refuse(const std::string& name) const {
-    throw InputError(line(
-        "%s: heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": "
-        "\"ft\" of the elevation in the region or --height-unit ft, and declare what is no height with "
-        "gdal_edit.py -a_nodata",
-        name.c_str(), impossible_.lowest(), impossible_.highest(), scale_.on_earth ? "the Earth" : "a solid body"));
+    throw InputError(
+        line("%s: heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": "
+             "\"ft\" of the elevation in the region or --height-unit ft, and declare what is no height with: "
+             "gdal_translate -a_nodata <value> %s declared.tif",
+             name.c_str(), impossible_.lowest(), impossible_.highest(), scale_.on_earth ? "the Earth" : "a solid body",
+             name.c_str()));
   }
 
   HeightScale scale_;
@@ -412,8 +413,8 @@ HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const H
   for (const FoundVoid& found : scan.voids)
     remarks.push_back(
         line("%llu cells of the elevation hold %g, which is no height there; they count as without "
-             "elevation. Declare it with gdal_edit.py -a_nodata %.9g",
-             static_cast<unsigned long long>(found.cells), found.value, found.value));
+             "elevation. Declare it with: gdal_translate -a_nodata %.9g %s declared.tif",
+             static_cast<unsigned long long>(found.cells), found.value, found.value, name.c_str()));
   doubt.voids = std::move(scan.voids);
   if (scan.flat_cells == 0 || wish.flat_is_ground) return doubt;
   remarks.push_back(line(
@@ -450,14 +451,16 @@ std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& nam
         line("%s: holds values such as %.5g and %.5g, and ", name.c_str(), impossible.lowest(), impossible.highest()) +
         (std::isfinite(range.high) ? line("a %s lies between %g and %g", range.what.c_str(), range.low, range.high)
                                    : line("no %s is that low", range.what.c_str())) +
-        "; check its unit and scale, and declare what is no value with gdal_edit.py -a_nodata");
+        "; check its unit and scale, and declare what is no value with: gdal_translate -a_nodata <value> " + name +
+        " declared.tif");
   std::vector<FoundVoid> voids = impossible.list();
   lonely.add_to(voids);
   for (const FoundVoid& found : voids)
     remarks.push_back(
-        line("%llu cells of %s hold %g, which is no %s; they count as without data. Declare it with "
-             "gdal_edit.py -a_nodata %.9g",
-             static_cast<unsigned long long>(found.cells), name.c_str(), found.value, range.what.c_str(), found.value));
+        line("%llu cells of %s hold %g, which is no %s; they count as without data. Declare it with: "
+             "gdal_translate -a_nodata %.9g %s declared.tif",
+             static_cast<unsigned long long>(found.cells), name.c_str(), found.value, range.what.c_str(), found.value,
+             name.c_str()));
   return voids;
 }
 

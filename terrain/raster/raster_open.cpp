@@ -202,7 +202,8 @@ double vertical_metres(GDALRasterBand& band, const std::string& name) {
   for (const char* known : {"us survey foot", "us_survey_foot", "us-ft", "ftus", "us survey feet"})
     if (unit == known) return 1200.0 / 3937.0;
   throw InputError(name + ": heights are in \"" + unit +
-                   "\"; metres and feet are understood, convert it with gdal_calc.py");
+                   "\"; metres and feet are understood; convert it with: gdal_calc.py -A " + name +
+                   " --calc=\"A*<metres>\" --outfile=metres.tif");
 }
 
 MapGrid describe_grid(int columns, int rows, const OGRSpatialReference& crs, const GeoTransform& t) {
@@ -255,8 +256,8 @@ void refuse_scale(GDALDataset& dataset, const std::string& name) {
   if (scale != 0 && std::isfinite(scale) && std::isfinite(offset)) return;
   throw InputError(
       line("%s: names a scale of %g and an offset of %g for its values, and a scale other than 0 is needed; "
-           "set them with gdal_edit.py -scale -offset",
-           name.c_str(), scale, offset));
+           "set them with: gdal_translate -a_scale <scale> -a_offset <offset> %s scaled.tif",
+           name.c_str(), scale, offset, name.c_str()));
 }
 
 }  // namespace

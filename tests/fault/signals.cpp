@@ -12,6 +12,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/terrain/raster_maker.h"
 
 namespace gonogo {
 namespace fs = std::filesystem;
@@ -53,6 +54,25 @@ void interrupt(const Fresh& fresh, int stopped_at = 16) {
     ++stopped;
   }
   CHECK(stopped >= stopped_at);
+}
+
+/// The same for a command of minutes, at thirty moments of its first seconds: all of them must stop it.
+template <class Fresh>
+void interrupt_early(const Fresh& fresh, double first, double last) {
+  constexpr int moments = 30;
+  for (int k = 0; k < moments; ++k) {
+    const std::vector<std::string> words = fresh(k);
+    RunOptions options;
+    options.signal = k % 2 == 0 ? SIGINT : SIGTERM;
+    const auto begun = Clock::now();
+    const double moment = first + (last - first) * k / (moments - 1);
+    options.when = [&] { return seconds_since(begun) >= moment; };
+    const Ending ending = run_gonogo(words, options);
+    INFO("moment " << moment << " s\n" << ending.err);
+    CHECK(seconds_since(begun) < moment + kUntilStopped);
+    REQUIRE(ending.exit_code == 130);
+    CHECK(contains(ending.err, "gonogo: interrupted"));
+  }
 }
 
 const fs::path kSource = GONOGO_SOURCE_DIR;
@@ -181,6 +201,38 @@ TEST_CASE("a trial and rows and weighed soil tests end wherever they are interru
                                         kSource / "configs/soils/calibration_32mm.json"};
       },
       1);
+  check_nothing_half_written(folder.path());
+}
+
+TEST_CASE("a calibration ends wherever it is interrupted and leaves no half table") {
+  const TemporaryFolder folder;
+  interrupt_early(
+      [&](int k) {
+        const std::string out = folder / (std::to_string(k) + ".json");
+        return std::vector<std::string>{"soil", "calibrate", "--grain", "0.09", "--out", out, "--threads", "2"};
+      },
+      kUntilHandlers, 3);
+  check_nothing_half_written(folder.path());
+  for (const std::string& file : files_below(folder.path())) CHECK(file.find(".json.tests") != std::string::npos);
+}
+
+TEST_CASE("a region ends wherever it is interrupted and leaves no half region") {
+  constexpr int side = 1200;
+  const TemporaryFolder folder;
+  test::RasterRecipe heights{.columns = side, .rows = side}, units = heights;
+  for (int i = 0; i < side * side; ++i) {
+    heights.value.push_back(float(100 + i % 47));
+    units.value.push_back(float(464399 + i / 7 % 2));
+  }
+  test::make_raster(folder / "elevation.tif", heights);
+  test::make_raster(folder / "mukey.tif", units);
+  write_file_atomically(folder / "mukey.csv", "mukey,sandtotal_r,claytotal_r\n464399,40,20\n464400,92,3\n");
+  interrupt(
+      [&](int) {
+        fs::remove(folder / "region.json");
+        return std::vector<std::string>{"region", "make", folder.path()};
+      },
+      5);
   check_nothing_half_written(folder.path());
 }
 

@@ -128,7 +128,12 @@ std::string read_map(const fs::path& file) {
 
 Reader sealed(const std::string& name, const std::string& file, std::function<void(const fs::path&)> make,
               std::function<std::string(const fs::path&)> read) {
-  return {.name = name, .damaged = file, .opened = file, .make = std::move(make), .read = std::move(read), .is_sealed = true};
+  return {.name = name,
+          .damaged = file,
+          .opened = file,
+          .make = std::move(make),
+          .read = std::move(read),
+          .is_sealed = true};
 }
 
 void make_soil_journal(const fs::path& folder) {
@@ -162,13 +167,14 @@ const std::vector<Reader>& sealed_readers() {
             [](const fs::path& folder) { write_file_atomically(folder / "dataset.h5", expected_bytes(20)); },
             [](const fs::path& file) { return dataset_image(read_dataset(file)); }),
         sealed(
-            "journal", "journal",
-            [](const fs::path& folder) { write_journal(folder / "journal", some_trials()); }, read_trials_of_journal),
+            "journal", "journal", [](const fs::path& folder) { write_journal(folder / "journal", some_trials()); },
+            read_trials_of_journal),
         sealed(
             "campaign", "campaign.json",
             [](const fs::path& folder) { hold_folder(folder, kPlan, cheap_campaign("unused", 20).depends_on); },
             [](const fs::path& file) {
-              hold_claimed_folder(file.parent_path(), FolderUse::tasks, kPlan.trials, cheap_campaign("unused", 20).depends_on);
+              hold_claimed_folder(file.parent_path(), FolderUse::tasks, kPlan.trials,
+                                  cheap_campaign("unused", 20).depends_on);
               return std::to_string(read_claim(file.parent_path()).per_shard);
             }),
         sealed("shard", "shards/shard-0.22.h5", make_shard, read_trials_of_shard),

@@ -7,6 +7,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/json/json.h"
+#include "base/progress.h"
 #include "pipeline/map/soil_grids/soil_cells.h"
 #include "terrain/raster/layer/cog.h"
 #include "terrain/raster/layer/geotiff.h"
@@ -66,6 +67,7 @@ Mixtures find_mixtures(const SoilCells& cells, SoilFindings& findings) {
   std::vector<Mixtures> tried;
   for (const int parts : {8, 4, 2, 1}) tried.push_back({parts, {}});
   for (const terrain::Window window : windows_of(cells.grid(), terrain::kTileCells, terrain::kTileCells)) {
+    stop_if_cancelled();
     for (const auto& shares : cells.read(window, findings).shares)
       for (Mixtures& m : tried)
         if (shares && m.code.size() <= kMaxCodes) m.code.emplace(texture_mixture(*shares, m.parts), 0);
@@ -110,6 +112,7 @@ void write_layers(const RegionMakeRequest& request, const SoilCells& cells, cons
   if (water.property) held.emplace(request.folder / "water.tif", cells.grid(), wet);
   SoilFindings again;
   for (const terrain::Window window : windows_of(cells.grid(), terrain::kTileCells, terrain::kTileCells)) {
+    stop_if_cancelled();
     const SoilCells::Window read = cells.read(window, again);
     Tile code(window.columns, window.rows, terrain::kNoData);
     for (std::size_t i = 0; i < code.value.size(); ++i)
