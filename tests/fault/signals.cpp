@@ -217,7 +217,7 @@ TEST_CASE("a calibration ends wherever it is interrupted and leaves no half tabl
 }
 
 TEST_CASE("a region ends wherever it is interrupted and leaves no half region") {
-  constexpr int side = 1200;
+  constexpr int side = 600;
   const TemporaryFolder folder;
   test::RasterRecipe heights{.columns = side, .rows = side}, units = heights;
   for (int i = 0; i < side * side; ++i) {
