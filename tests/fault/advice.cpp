@@ -1,4 +1,5 @@
-// What sentences advise is done, word for word: commands with their placeholders filled in, options, and changes of files.
+// What sentences advise is done, word for word: commands with their placeholders filled in, options, and changes of
+// files.
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -179,8 +180,8 @@ TEST_CASE("what a map leaves open is closed by the options that its remarks name
   const std::string open = Ground::said(with(bare, {ground.path("open")}));
   CHECK(contains(open, "name a soil with --soil, and a moisture with --moisture"));
   CHECK(contains(open, "fix one with --set"));
-  const std::string closed = Ground::said(
-      with(bare, {ground.path("closed"), "--soil", "sand", "--moisture", "dry", "--set", "payload=500"}));
+  const std::string closed =
+      Ground::said(with(bare, {ground.path("closed"), "--soil", "sand", "--moisture", "dry", "--set", "payload=500"}));
   CHECK_FALSE(contains(closed, "name a soil with"));
   const std::string averaged = advice(open, "P(go) is averaged over", "; fix one"),
                     fewer = advice(closed, "P(go) is averaged over", "; fix one");
@@ -190,12 +191,16 @@ TEST_CASE("what a map leaves open is closed by the options that its remarks name
 
 TEST_CASE("values and names that a refusal of a map allows are taken") {
   const Ground ground;
-  CHECK(contains(run_gonogo({"map", "--model", "hmmwv", "--dem", ground.path("ok.tif"), "--soil", "sand", "--moisture", "damp", "--out", ground.path("m")}).err, "use dry, moist or wet"));
+  CHECK(contains(run_gonogo({"map", "--model", "hmmwv", "--dem", ground.path("ok.tif"), "--soil", "sand", "--moisture",
+                             "damp", "--out", ground.path("m")})
+                     .err,
+                 "use dry, moist or wet"));
   const std::string range = advice(ground.refused("ok.tif", {"--set", "payload=5000"}), "had ", ";");
   double low = -1, high = -1;
   REQUIRE(std::sscanf(range.c_str(), "had %lf to %lf", &low, &high) == 2);
   for (const double value : {low, high}) ground.made("ok.tif", {"--set", "payload=" + std::to_string(value)});
-  const Ending nameless = run_gonogo({"map", "--dem", ground.path("ok.tif"), "--soil", "sand", "--out", ground.path("m")});
+  const Ending nameless =
+      run_gonogo({"map", "--dem", ground.path("ok.tif"), "--soil", "sand", "--out", ground.path("m")});
   std::string names = advice(nameless.err, "models ship for: ").substr(17);
   for (char& c : names) c = c == ',' ? ' ' : c;
   std::istringstream in(names);
@@ -210,8 +215,8 @@ TEST_CASE("values and names that a refusal of a map allows are taken") {
 
 TEST_CASE("the way to a model of one's own vehicle is made of commands that parse, and begins") {
   const Ground ground;
-  const Ending ending = run_gonogo({"map", "--vehicle", "m113", "--dem", ground.path("ok.tif"), "--soil", "sand", "--out",
-                                    ground.path("none")});
+  const Ending ending = run_gonogo(
+      {"map", "--vehicle", "m113", "--dem", ground.path("ok.tif"), "--soil", "sand", "--out", ground.path("none")});
   REQUIRE(ending.exit_code == 2);
   const std::string way = advice(ending.err, "gonogo vehicle study", "; then give");
   CHECK(contains(way, "gonogo campaign run"));
