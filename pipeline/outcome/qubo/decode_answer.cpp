@@ -155,11 +155,24 @@ void weigh_rows(const Sidecar& sidecar, const learning::SampleSet& answer, const
   }
 }
 
+/// Derivative of the frequency of outcome y by the beta that weights are corrected for: its covariance with the energy.
+double slope_by_beta(const DecodedAnswer& decoded, std::size_t y, double frequency) {
+  double covariance = 0, total = 0;
+  for (std::size_t r = 0; r < decoded.rows.size(); ++r) {
+    const double weight = decoded.weight[r] * double(decoded.occurrences[r]);
+    covariance += weight * (decoded.outcome[y][r] - frequency) * decoded.rows[r].energy;
+    total += weight;
+  }
+  return covariance / total;
+}
+
 /// Frequency of outcome y with its standard error. A count of nothing but zeros or ones has an error, too: one read of
 /// either kind is added for it (Agresti and Coull, Am. Stat. 52:119, 1998).
 learning::SeriesMean frequency(const DecodedAnswer& decoded, std::size_t y) {
   learning::SeriesMean found =
       learning::series_mean(decoded.outcome[y], decoded.weight, decoded.occurrences, decoded.order);
+  if (decoded.beta_error > 0)
+    found.standard_error = std::hypot(found.standard_error, decoded.beta_error * slope_by_beta(decoded, y, found.mean));
   if (decoded.decoding == Decoding::weigh) return found;
   const double n = found.independent_reads, p = (n * found.mean + 1) / (n + 2);
   found.standard_error = std::max(found.standard_error, std::sqrt(p * (1 - p) / (n + 2)));
@@ -216,7 +229,8 @@ void add_variables(const Sidecar& sidecar, const DecodedAnswer& decoded, AnswerS
 }  // namespace
 
 DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, Decoding decoding,
-                            const CodeMachine* machine, std::uint64_t seed, double beta) {
+                            const CodeMachine* machine, std::uint64_t seed,
+                            const std::optional<learning::BetaEstimate>& rows_beta) {
   DecodedAnswer result;
   result.decoding = decoding;
   make_room(sidecar, answer, result);
@@ -225,7 +239,8 @@ DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& a
   if (decoding != Decoding::weigh) return result;
   GONOGO_ASSERT(machine);
   if (machine->has_free_units()) result.valid = result.reads;
-  weigh_rows(sidecar, answer, *machine, seed, beta, result);
+  weigh_rows(sidecar, answer, *machine, seed, rows_beta ? rows_beta->beta : 1, result);
+  if (rows_beta) result.beta_error = (rows_beta->high - rows_beta->low) / (2 * 1.96);
   return result;
 }
 

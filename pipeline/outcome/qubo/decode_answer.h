@@ -34,7 +34,7 @@ struct ImportLimits {
 struct RowTemperature {
   learning::BetaEstimate beta;
   /// "wrong": the interval, 1 % wider on either side, leaves out 1; "corrected": so it was, and the rows' weights make
-  /// up for it; or "unknown"
+  /// up for it, with the error of beta in the standard errors; or "unknown"
   std::string verdict = "right";
 };
 /// problem: over the variables of the answer, not the qubits.
@@ -59,18 +59,20 @@ struct DecodedAnswer {
   std::vector<double> weight;                 // [answer row], 0: left out
   std::vector<std::vector<double>> outcome;   // [outcome][answer row] probability that the row gives it
   std::vector<std::vector<double>> mean, square;  // [variable][answer row] of the value and of its square
+  double beta_error = 0;  // standard error of the beta that weights are corrected for; 0: they are not
   learning::ReadOrder order;
 };
 
 /// `answer` must have passed check_answer(), so its columns are the labels of the problem.
 ///
 /// `weigh` takes of each row its hidden units, which give every code word a probability (code_machine.h); it needs
-/// `machine`. Its `rows` are code words drawn with these probabilities by `seed`. Rows that follow exp(-beta E) count
-/// by exp((beta - 1) E) as well. `discard` leaves out rows with a word that is no code word. `repair` keeps those that
-/// the rule can map to a value, and `repaired` counts them. Repaired rows are no samples of the machine's conditional
-/// distribution.
+/// `machine`. Its `rows` are code words drawn with these probabilities by `seed`. With `rows_beta` the rows are known
+/// to follow exp(-beta E), and count by exp((beta - 1) E) as well. `discard` leaves out rows with a word that is no
+/// code word. `repair` keeps those that the rule can map to a value, and `repaired` counts them. Repaired rows are no
+/// samples of the machine's conditional distribution.
 DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, Decoding decoding,
-                            const CodeMachine* machine, std::uint64_t seed, double beta = 1);
+                            const CodeMachine* machine, std::uint64_t seed,
+                            const std::optional<learning::BetaEstimate>& rows_beta = std::nullopt);
 
 /// CSV with one line for each row. Columns: the variables, outcome, energy, occurrences, and the weight if rows are
 /// weighed. Values that are not clamped are the middles of their bins, or uniform inside them, drawn by `inside`.

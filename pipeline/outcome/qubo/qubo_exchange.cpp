@@ -234,12 +234,10 @@ ImportedAnswer decode_answer_to(const learning::Problem& problem, const Sidecar&
   RowTemperature temperature = row_temperature(problem, answer);
   expect_temperature(temperature, settings.limits, source);
   const Decoding decoding = cannot_weigh ? Decoding::discard : settings.decoding;
-  constexpr double kCorrectable = 0.15;  // distance of beta from 1 beyond which few rows would carry all of the weight
-  if (decoding == Decoding::weigh && temperature.verdict == "wrong" && std::isfinite(settings.limits.temperature) &&
-      std::abs(temperature.beta.beta - 1) <= kCorrectable)
+  if (decoding == Decoding::weigh && temperature.verdict == "wrong" && std::isfinite(settings.limits.temperature))
     temperature.verdict = "corrected";
   result.decoded = decode_answer(sidecar, answer, decoding, machine ? &*machine : nullptr, settings.seed,
-                                 temperature.verdict == "corrected" ? temperature.beta.beta : 1);
+                                 temperature.verdict == "corrected" ? std::optional(temperature.beta) : std::nullopt);
   result.summary = summarise(sidecar, result.decoded, machine ? &*machine : nullptr);
   result.summary->temperature = temperature;
   expect_enough(*result.summary, settings.limits, source);

@@ -228,7 +228,7 @@ TEST_CASE("weighed rows give the machine's outcomes where code words are rare, a
   }
 }
 
-TEST_CASE("rows of another temperature are named biased, not averaged") {
+TEST_CASE("rows of another temperature are refused, corrected where that is allowed, or named biased") {
   write_small_model();
   export_problem(kModel, kProblem, {{"slope_along", 12}}, learning::Vartype::binary);
   sample_problem(kProblem, kAnswer, *learning::make_sampler("anneal", {{"beta_end", 0.5}}),
@@ -236,6 +236,10 @@ TEST_CASE("rows of another temperature are named biased, not averaged") {
   ImportRequest import = import_request();
   refused([&] { import_answer(import); }, "its rows have beta 0.");
   import.limits.temperature = 1;
+  const Json corrected = to_json(import_answer(import));
+  CHECK(corrected.at("temperature").at("verdict").string() == "corrected");
+  CHECK(corrected.at("bias").at("verdict").string() == "none found");
+  import.limits.temperature = INFINITY;
   const Json answer = to_json(import_answer(import));
   CHECK(answer.at("temperature").at("verdict").string() == "wrong");
   CHECK(answer.at("bias").at("verdict").string() == "biased");
