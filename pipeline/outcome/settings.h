@@ -100,7 +100,7 @@ LearningSettings read_learning_settings(const std::optional<Config>& section);
 /// right: code_words, 48 hidden units, generative 0.1, weight_decay 0.3, calibrate, 256 chains of one sweep an update,
 /// and 7,000 updates with the learning rate falling to 0.05 of itself. Settings stay where the study chooses another
 /// negative phase or another sampler.
-inline constexpr std::size_t kManyTrials = 500;
+inline constexpr std::size_t kManyTrials = 200;
 LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials);
 
 /// settings_for_trials() as the trainer takes them. Unless the study gives `batch`, an epoch has at most 32

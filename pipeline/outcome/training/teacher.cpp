@@ -220,15 +220,27 @@ double excess_of_slope(std::span<const double> variables) {
   return std::tan(variables[slope] * kDegree) - std::min(variables[tyre], std::tan(variables[soil] * kDegree));
 }
 
-/// Rows with one more input. points: [row x width]
-std::vector<double> with_excess(const std::vector<double>& points, std::size_t width) {
+/// What left and right share: the size of the slope across [deg].
+double size_across(std::span<const double> variables) {
+  static const std::size_t across = campaign::contract().variable_index("slope_across");
+  return std::abs(variables[across]);
+}
+
+/// Rows with one more input, which `input` takes from the variables. points: [row x width]
+template <class Input>
+std::vector<double> with_input(const std::vector<double>& points, std::size_t width, Input input) {
   std::vector<double> result;
   for (std::size_t first = 0; first < points.size(); first += width) {
     const auto row = std::span(points).subspan(first, width);
     result.insert(result.end(), row.begin(), row.end());
-    result.push_back(excess_of_slope(row));
+    result.push_back(input(row));
   }
   return result;
+}
+learning::TrainingTable with_input(learning::TrainingTable table, double (*input)(std::span<const double>)) {
+  table.variables = with_input(table.variables, table.variable_count, input);
+  ++table.variable_count;
+  return table;
 }
 
 /// Rows with more inputs at their end. points: [row x width]; added: [row x count]
@@ -291,31 +303,25 @@ std::vector<std::size_t> graded_rows(const learning::TrainingTable& table) {
 
 }  // namespace
 
-Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others, bool is_graded)
-    : variables_(rows.variable_count) {
+Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others) : variables_(rows.variable_count) {
   if (!others.empty()) fidelity_.own = others.own;
   fidelity_.composed = others.composed;
   fidelity_.forecast = others.forecast;
   constexpr std::size_t kFewest = 10;  // trials of known speed that a regression takes
   constexpr double kRidge = 0.1;       // of a and b [nat]
-  learning::TrainingTable table = others.joined(rows);
+  learning::TrainingTable table = with_input(others.joined(rows), size_across);
   const std::vector<int> label = passable_labels(table);
   const std::vector<double> expected_odds = mean(variables_of(table.variables, table.variable_count, variables_));
-  if (others.composed || others.forecast) {
-    bare_ = learning::fit_gaussian_process(table, label);
-    table.variables = with_knowledge(others, std::move(table.variables), table.variable_count, variables_);
-    table.variable_count = table.variables.size() / table.row_count();
-  }
+  table.variables = with_knowledge(others, std::move(table.variables), table.variable_count, variables_);
+  table.variable_count = table.variables.size() / table.row_count();
   plain_ = learning::fit_gaussian_process(table, label, {}, expected_odds);
   const std::vector<std::size_t> known = graded_rows(table);
-  if (!is_graded || known.size() < kFewest) return;
-  learning::TrainingTable inputs = table.subset(known);
-  inputs.variables = with_excess(inputs.variables, table.variable_count);
-  ++inputs.variable_count;
+  if (known.size() < kFewest) return;
+  const learning::TrainingTable inputs = with_input(table.subset(known), excess_of_slope);
   learning::GaussianRegression share = learning::fit_gaussian_regression(inputs, inputs.margin);
   // A trial's own speed would tell its outcome, so each is expected from the others.
   learning::TrainingTable expected = table;
-  expected.variables = share(with_excess(table.variables, table.variable_count));
+  expected.variables = share(with_input(table.variables, table.variable_count, excess_of_slope));
   expected.variable_count = 1;
   for (std::size_t k = 0; k < known.size(); ++k) expected.variables[known[k]] = share.leave_one_out()[k];
   const learning::LogisticModel passes = learning::fit_logistic(expected, label, kRidge);
@@ -325,7 +331,9 @@ Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others,
 }
 
 std::vector<double> Teacher::seen(const std::vector<double>& points) const {
-  return with_knowledge(fidelity_, fidelity_.at_own(points, variables_), variables_ + fidelity_.own.size(), variables_);
+  const std::size_t width = variables_ + fidelity_.own.size();
+  return with_knowledge(fidelity_, with_input(fidelity_.at_own(points, variables_), width, size_across), width + 1,
+                        variables_);
 }
 
 std::vector<double> Teacher::mean(const std::vector<double>& points) const {
@@ -337,14 +345,18 @@ std::vector<double> Teacher::operator()(const std::vector<double>& points) const
   std::vector<double> p = plain_.most_probable(own, mean(points));
   if (!graded_) return p;
   const std::size_t width = own.size() * variables_ / points.size();
-  const std::vector<double> q =
-      graded_->rest.most_probable(own, log_odds(graded_->passes, graded_->share(with_excess(own, width))));
+  const std::vector<double> share = graded_->share(with_input(own, width, excess_of_slope));
+  const std::vector<double> q = graded_->rest.most_probable(own, log_odds(graded_->passes, share));
   for (std::size_t k = 0; k < p.size(); ++k) p[k] = (p[k] + q[k]) / 2;
   return p;
 }
 
-std::vector<double> Teacher::baseline(const std::vector<double>& points) const {
-  return (bare_ ? *bare_ : plain_).probabilities(fidelity_.at_own(points, variables_));
+std::vector<double> process_baseline(const learning::TrainingTable& rows, const OtherTrials& others,
+                                     const std::vector<double>& points) {
+  const learning::TrainingTable table = others.joined(rows);
+  const OtherTrials own{{}, others.empty() ? std::vector<double>() : others.own, {}};
+  return learning::fit_gaussian_process(table, passable_labels(table))
+      .probabilities(own.at_own(points, rows.variable_count));
 }
 
 std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,

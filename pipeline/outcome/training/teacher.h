@@ -5,6 +5,9 @@
 // - the other does, too, with the mean a + b r(x). r(x) is the share of the commanded speed to expect, by a regression
 //   on the speeds of the trials. A speed says more of a trial than whether it passes.
 //
+// Both take the size of the slope across as one more input. A vehicle whose sides are alike passes as often with either
+// side up, so a trial then tells of both. Trials of other vehicles give that input little weight.
+//
 // Where few trials are of the finest fidelity, the process also learns those of other fidelities. It takes fidelity as
 // inputs beside the variables and answers at the finest; the machine's own rows are the finest trials alone. One kernel
 // over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the output from a complex computer
@@ -98,18 +101,15 @@ std::vector<double> taught_points(const std::vector<double>& lower, const std::v
 
 class Teacher {
  public:
-  /// Learns these rows of the model's own trials and all others. The second process takes two thirds of the time; it is
-  /// left out without margins, or where `is_graded` is false because only the baseline is asked.
-  Teacher(const learning::TrainingTable& rows, const OtherTrials& others, bool is_graded = true);
+  /// Learns these rows of the model's own trials and all others. The second process is left out without margins.
+  Teacher(const learning::TrainingTable& rows, const OtherTrials& others);
   /// P(go) of points at the own fidelity [point count x variables].
   std::vector<double> operator()(const std::vector<double>& points) const;
-  /// The first process, alone a baseline: at its posterior mean. It sees neither margins nor forecasts.
-  std::vector<double> baseline(const std::vector<double>& points) const;
 
  private:
   /// The second process.
   struct Graded {
-    learning::GaussianRegression share;   // r, of the variables and the excess of slope
+    learning::GaussianRegression share;   // r, of the inputs and the excess of slope
     learning::LogisticModel passes;       // a + b r
     learning::GaussianProcessModel rest;  // around it
   };
@@ -122,17 +122,20 @@ class Teacher {
   std::size_t variables_;
   OtherTrials fidelity_;  // of the own trials, without rows
   learning::GaussianProcessModel plain_;
-  std::optional<learning::GaussianProcessModel> bare_;  // `plain_` on the variables alone, where it sees more
   std::optional<Graded> graded_;
 };
+
+/// P(go) by a process that sees which trials pass and the variables as they are, at its posterior mean: a baseline.
+std::vector<double> process_baseline(const learning::TrainingTable& rows, const OtherTrials& others,
+                                     const std::vector<double>& points);
 
 /// How much a teacher counts: t and r of learning::Teaching.
 struct TeacherShare {
   double weight = 0, joint_share = 0;
 };
-/// The weight that the study gives, or 10. The taught points share in the
-/// joint distribution as they weigh beside the trials, r = t / (1 + t), if that distribution is the box's: the machine
-/// is one of code words, and trials count by prior / proposal density.
+/// The weight that the study gives, or 10. The taught points share in the joint distribution as they weigh beside the
+/// trials, r = t / (1 + t), if that distribution is the box's: the machine is one of code words, and trials count by
+/// prior / proposal density.
 TeacherShare teacher_share(const LearningSettings& settings);
 
 /// probability: P(go) of the points.

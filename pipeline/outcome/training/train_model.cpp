@@ -240,9 +240,10 @@ class FoldTeachers {
     std::vector<std::size_t> training, held_out;
     for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == fold ? held_out : training).push_back(n);
     const learning::TrainingTable &table = in_.data.table, unseen = table.subset(held_out);
-    const Teacher teacher(table.subset(training), in_.others.away_from(unseen), in_.teacher.weight > 0);
-    ProcessAnswers fresh{teacher.baseline(unseen.variables), {}};
-    if (in_.teacher.weight > 0) fresh.taught = teacher(points_);
+    const learning::TrainingTable seen = table.subset(training);
+    const OtherTrials others = in_.others.away_from(unseen);
+    ProcessAnswers fresh{process_baseline(seen, others, unseen.variables), {}};
+    if (in_.teacher.weight > 0) fresh.taught = Teacher(seen, others)(points_);
     kept_.keep_process(fold, fresh);
     return answers_.emplace(fold, std::move(fresh)).first->second;
   }

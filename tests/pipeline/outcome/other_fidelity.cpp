@@ -2,6 +2,7 @@
 #include "pipeline/outcome/training/teacher.h"
 
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 
 #include "base/files/file.h"
@@ -223,16 +224,51 @@ TEST_CASE("a teacher that sees the speeds of trials forecasts others better than
   for (std::size_t n = 0; n < data.table.row_count(); ++n) (n < 200 ? first : rest).push_back(n);
   const learning::TrainingTable seen = data.table.subset(first), unseen = data.table.subset(rest);
   const std::vector<int> happened = passable_labels(unseen);
-  const Teacher teacher(seen, {});
-  const double plain = learning::brier_score(teacher.baseline(unseen.variables), happened);
-  const double graded = learning::brier_score(teacher(unseen.variables), happened);
-  INFO("Brier score of the process " << plain << ", of the teacher " << graded);
-  CHECK(graded < 0.85 * plain);
-  // Without speeds it is the process alone.
   learning::TrainingTable blind = seen;
   blind.margin.clear();
-  const std::vector<double> found = Teacher(blind, {})(unseen.variables);
-  CHECK(found == learning::fit_gaussian_process(seen, passable_labels(seen)).most_probable(unseen.variables));
+  const double plain = learning::brier_score(process_baseline(seen, {}, unseen.variables), happened);
+  const double mirrored = learning::brier_score(Teacher(blind, {})(unseen.variables), happened);
+  const double graded = learning::brier_score(Teacher(seen, {})(unseen.variables), happened);
+  std::printf("Brier score of the process %.4f, of the teacher without speeds %.4f, with them %.4f\n", plain, mirrored,
+              graded);
+  CHECK(mirrored < 0.95 * plain);
+  CHECK(graded < 0.9 * mirrored);
+}
+
+TEST_CASE("a teacher learns from either side where both are alike, and where they are not, each for itself") {
+  const std::size_t width = campaign::contract().variables.size();
+  const std::size_t along = campaign::contract().variable_index("slope_along"),
+                    across = campaign::contract().variable_index("slope_across");
+  // P(go) falls with the slope along, and with the slope across to both sides (tilt 0) or to the left alone.
+  const auto trials = [&](std::size_t count, bool one_sided, std::uint64_t seed) {
+    learning::TrainingTable table;
+    table.variable_count = width;
+    for (std::size_t n = 0; n < count; ++n) {
+      std::vector<double> point(width, 0.0);
+      const double a = point[along] = 40 * random_unit(seed, 0, n) - 10,
+                   b = point[across] = 50 * random_unit(seed, 1, n) - 25;
+      table.variables.insert(table.variables.end(), point.begin(), point.end());
+      const double side = one_sided ? std::max(0.0, b) : std::abs(b);
+      const bool passes = random_unit(seed, 2, n) < 1 / (1 + std::exp(0.6 * (a - 20 + 0.9 * side)));
+      table.outcome.push_back(
+          campaign::contract().outcome_index(passes ? campaign::Verdict::go : campaign::Verdict::no_go,
+                                             passes ? campaign::Reason::none : campaign::Reason::timeout));
+      table.weight.push_back(1);
+      table.group.push_back(n);
+    }
+    return table;
+  };
+  for (const bool one_sided : {false, true}) {
+    double process = 0, taught = 0;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      const learning::TrainingTable seen = trials(80, one_sided, seed), test = trials(2000, one_sided, seed + 100);
+      process += learning::brier_score(process_baseline(seen, {}, test.variables), passable_labels(test)) / 6;
+      taught += learning::brier_score(Teacher(seen, {})(test.variables), passable_labels(test)) / 6;
+    }
+    std::printf("%s: Brier score of the process %.4f, of the teacher %.4f\n", one_sided ? "one-sided" : "alike",
+                process, taught);
+    CHECK(taught < (one_sided ? 1.02 : 0.97) * process);
+  }
 }
 
 TEST_CASE("a model that other trials helped names them, and has other bits than one that they did not") {
