@@ -4,6 +4,8 @@
     python3 -m venv out/rivals && out/rivals/bin/pip install scikit-learn h5py
     out/rivals/bin/python scripts/learning_rivals.py --dataset data/hmmwv_32mm/fresh.h5 MODEL...
 
+Other trials score than those that a model was trained on: those of another dataset, or those held out of its own.
+
 The rivals come from scikit-learn: boosted trees with the known monotone directions, logistic regression on squares and
 products, and an ensemble of ten networks. `gonogo evaluate` scores an exact Gaussian process. Models in folders
 trials_N_subset_K (`gonogo learning-curve`) are averaged over K.
@@ -50,6 +52,13 @@ def trials_of_dataset(file, names):
     return points[known], (verdict[known] <= 2).astype(int)
 
 
+def unseen(points, happened, trained_on):
+    """Without the trials that a model was trained on. Variables that a dataset lacks are 0 in its models."""
+    seen = {tuple(row) for row in numpy.nan_to_num(trained_on)}
+    kept = [k for k, row in enumerate(numpy.nan_to_num(points)) if tuple(row) not in seen]
+    return points[kept], happened[kept]
+
+
 class Networks:
     def __init__(self, x, y):
         self.members = [MLPClassifier((32, 32), alpha=0.3, max_iter=600, random_state=k).fit(x, y)
@@ -91,14 +100,14 @@ def model_scores(gonogo, model, names, points, happened):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("models", nargs="+", type=pathlib.Path)
-    parser.add_argument("--dataset", required=True, type=pathlib.Path, help="trials that score, none of them trained on")
+    parser.add_argument("--dataset", required=True, type=pathlib.Path, help="trials that score; those trained on are left out")
     parser.add_argument("--gonogo", default="build/cpu-release/gonogo")
     options = parser.parse_args()
     warnings.filterwarnings("ignore")  # of solvers that stop at their limit
     found = collections.defaultdict(lambda: collections.defaultdict(list))
     for model in options.models:
         names, points, label = trials_of_model(model)
-        fresh, happened = trials_of_dataset(options.dataset, names)
+        fresh, happened = unseen(*trials_of_dataset(options.dataset, names), points)
         used = [v for v in range(len(names)) if numpy.nanstd(points[:, v]) > 0]
         mean, scale = points[:, used].mean(0), points[:, used].std(0)
         x, z = (points[:, used] - mean) / scale, (fresh[:, used] - mean) / scale

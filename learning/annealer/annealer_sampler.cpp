@@ -200,6 +200,10 @@ SampleSet swept_on(const Problem& problem, const SampleSet& rows, const SampleRe
 
 }  // namespace
 
+SampleSet SweptOn::sample(const Problem& problem, const SampleRequest& request) const {
+  return swept_on(problem, source_->sample(problem, request), request, sweeps_);
+}
+
 Json to_json(const Correction& correction) {
   Json json = Json::object();
   add_use(correction.use, json);

@@ -58,6 +58,19 @@ class AnnealerSampler final : public Sampler {
   AnnealerSettings settings_;
 };
 
+/// Rows of `source` after sweeps of block Gibbs at beta = 1 here, each from its row, as D-Wave's post-processing
+/// ("sampling") did on the 2X. For bipartite problems.
+class SweptOn final : public Sampler {
+ public:
+  SweptOn(std::unique_ptr<Sampler> source, std::size_t sweeps) : source_(std::move(source)), sweeps_(sweeps) {}
+  std::string name() const override { return source_->name(); }
+  SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
+
+ private:
+  std::unique_ptr<Sampler> source_;
+  std::size_t sweeps_;
+};
+
 enum class Thermometer {
   none,               // the scale does not change
   pseudo_likelihood,  // local: each spin given the others

@@ -50,6 +50,8 @@ EmulatorChoice read_emulator_choice(const std::optional<Config>& section) {
   choice.gauges = count("gauges", choice.gauges);
   choice.sweeps = count("sweeps", choice.sweeps);
   choice.reads = count("reads", choice.reads);
+  choice.post_sweeps =
+      std::size_t(section->integer_or("post_sweeps", std::int64_t(choice.post_sweeps), {.minimum = 0, .maximum = 1e6}));
   section->finish();
   return choice;
 }
@@ -65,6 +67,7 @@ Json to_json(const EmulatorChoice& choice) {
   json["gauges"] = Json(std::uint64_t(choice.gauges));
   json["sweeps"] = Json(std::uint64_t(choice.sweeps));
   json["reads"] = Json(std::uint64_t(choice.reads));
+  json["post_sweeps"] = Json(std::uint64_t(choice.post_sweeps));
   return json;
 }
 

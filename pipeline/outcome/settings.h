@@ -24,7 +24,7 @@
 //   final_learning_rate  share of the learning rate at the last epoch (default 1)
 //   centred         gradients in centred units (default no)
 //   negative        how the chains of the negative phase start: "persistent" (default), "contrastive", "tempering" or
-//                   "trajectory"; these two have "rungs" machines on a ladder. "code_words" (default from 500 trials)
+//                   "trajectory"; these two have "rungs" machines on a ladder. "code_words" (default)
 //                   draws whole code words, and the machine is one of code words only
 //   importance      power in [0, 1] of the trials' weights prior / proposal density (default 1)
 //   calibrate       whether to sharpen or blunt all probabilities by a power that the held-out folds choose (default
@@ -41,7 +41,7 @@
 //                   increasing
 //   emulator        of the sampler "emulator": the fields of EmulatorChoice
 //
-// Other defaults are those of learning::TrainingSettings, and from 500 trials those of settings_for_trials().
+// Other defaults are those of learning::TrainingSettings, and those of settings_for_trials().
 // docs/learning.md shows the experiments behind them.
 #pragma once
 #include <filesystem>
@@ -65,10 +65,11 @@ struct EmulatorChoice {
   std::uint64_t dead_seed = 1;       // that draws the dead qubits
   /// What sets the scale after each epoch: "pseudo_likelihood", "histogram", "offset_model" or "none".
   std::string thermometer = "pseudo_likelihood";
-  double chain_coupling = 0.6;  // |J| inside chains
-  std::size_t gauges = 4;       // of every request
-  std::size_t sweeps = 600;     // of the device's anneal
-  std::size_t reads = 250;      // of a temperature reading
+  double chain_coupling = 0.6;   // |J| inside chains
+  std::size_t gauges = 4;        // of every request
+  std::size_t sweeps = 600;      // of the device's anneal
+  std::size_t reads = 250;       // of a temperature reading
+  std::size_t post_sweeps = 10;  // of block Gibbs on the host, from the device's rows
 };
 /// Reads the section; without one the defaults hold. Throws InputError for unknown keys and values out of range.
 EmulatorChoice read_emulator_choice(const std::optional<Config>& section);

@@ -53,11 +53,13 @@ void TrainingSampler::use_emulator(const learning::VisibleLayout& layout, learni
   settings.chain_coupling = choice_.chain_coupling;
   settings.gauges = choice_.gauges;
   settings.sweeps = choice_.sweeps;
+  settings.susceptibility = device.errors.susceptibility;
   const learning::HardwareGraph graph = device.graph;
   auto sampler = std::make_unique<learning::AnnealerSampler>(std::make_shared<learning::Emulator>(std::move(device)),
                                                              graph, visible, training.hidden, settings);
-  annealer_ = sampler.get();
+  annealer_ = sampler.get();  // whose own rows tell the temperature
   sampler_ = std::move(sampler);
+  if (choice_.post_sweeps > 0) sampler_ = std::make_unique<learning::SweptOn>(std::move(sampler_), choice_.post_sweeps);
   begin();
   for (const auto& [unit, variable] : annealer_->embedding().uncoupled)
     training.masked.emplace_back(unit, variable - std::uint32_t(visible));

@@ -58,7 +58,7 @@ class TrainingSampler {
   EmulatorChoice choice_;
   std::unique_ptr<learning::Sampler> sampler_;
   learning::WithStandIn* stand_in_ = nullptr;      // sampler_, if it is one
-  learning::AnnealerSampler* annealer_ = nullptr;  // sampler_, if it is one
+  learning::AnnealerSampler* annealer_ = nullptr;  // in sampler_, if it has one
   std::optional<learning::TemperatureControl> control_;
   std::vector<std::string> labels_;
   std::size_t working_qubits_ = 0, pairs_ = 0;
