@@ -150,41 +150,71 @@ class Fit {
   std::vector<double> value_, first_, second_;  // parameters, running means of their gradients and of the squares
 };
 
+/// Rows of P, and then as many of Q, with the difference of the exponents of Q and P.
+class Batch {
+ public:
+  Batch(const WordMachine& machine, const Drawn& drawn)
+      : machine_(machine),
+        drawn_(drawn),
+        chains_(drawn.rows.end() - std::ptrdiff_t(kBatch), drawn.rows.end()),
+        rows_(2 * kBatch),
+        fields_(2 * kBatch),
+        difference_(2 * kBatch) {
+    for (const Row& row : drawn.rows) wanted_.push_back(log_words(machine, row, score_));
+  }
+
+  /// Draws the rows of step `number`.
+  void draw(const Fit& fit, std::size_t number) {
+    for (std::size_t n = 0; n < kBatch; ++n) {
+      const auto chosen = std::size_t(random_unit(kSeed + kChosen, number, n) * double(drawn_.rows.size()));
+      take(fit, n, drawn_.rows[chosen], wanted_[chosen]);
+    }
+    for (std::size_t n = kBatch; n < 2 * kBatch; ++n) {
+      Row& row = chains_[n - kBatch];
+      fit.sweep(row, n, number, fields_[n]);
+      take(fit, n, row, log_words(machine_, row, score_));
+    }
+  }
+
+  /// Of half the variance of the difference, and of `cover` times the divergence KL(P | Q).
+  std::vector<double> gradient(const Fit& fit, double cover) const {
+    double mean = 0;
+    for (const double d : difference_) mean += d / double(2 * kBatch);
+    std::vector<double> result = fit.zeros();
+    for (std::size_t n = 0; n < 2 * kBatch; ++n) {
+      const double slope = std::clamp(difference_[n] - mean, -kLargest, kLargest) + (n < kBatch ? -cover : cover);
+      fit.add_gradient(*rows_[n], fields_[n], slope / double(2 * kBatch), result);
+    }
+    return result;
+  }
+
+ private:
+  void take(const Fit& fit, std::size_t n, const Row& row, double exponent_of_p) {
+    rows_[n] = &row;
+    difference_[n] = fit(row, fields_[n]) - exponent_of_p;
+  }
+
+  const WordMachine& machine_;
+  const Drawn& drawn_;
+  std::vector<double> wanted_, score_;  // exponent of P at the drawn rows; scores of words
+  std::vector<Row> chains_;             // of Q
+  std::vector<const Row*> rows_;
+  std::vector<std::vector<double>> fields_;  // of the free units
+  std::vector<double> difference_;
+};
+
 }  // namespace
 
 RbmWeights fitted_free_units(const WordMachine& machine, std::size_t count) {
   GONOGO_ASSERT(count > 0);
   const Drawn drawn = drawn_rows(machine);
-  std::vector<double> score, wanted;  // exponent of P
-  for (const Row& row : drawn.rows) wanted.push_back(log_words(machine, row, score));
   Fit fit(machine, count, drawn);
-  std::vector<Row> chains(drawn.rows.end() - std::ptrdiff_t(kBatch), drawn.rows.end());
-  std::vector<std::vector<double>> fields(2 * kBatch);
-  std::vector<const Row*> rows(2 * kBatch);
+  Batch batch(machine, drawn);
   for (std::size_t number = 1; number <= kSteps; ++number) {
     stop_if_cancelled();
-    std::vector<double> difference(2 * kBatch);
-    double mean = 0;
-    for (std::size_t n = 0; n < 2 * kBatch; ++n) {
-      std::size_t chosen = 0;
-      if (n < kBatch) {
-        chosen = std::size_t(random_unit(kSeed + kChosen, number, n) * double(drawn.rows.size()));
-        rows[n] = &drawn.rows[chosen];
-      } else {
-        fit.sweep(chains[n - kBatch], n, number, fields[n]);
-        rows[n] = &chains[n - kBatch];
-      }
-      const double p = n < kBatch ? wanted[chosen] : log_words(machine, *rows[n], score);
-      difference[n] = fit(*rows[n], fields[n]) - p;
-      mean += difference[n] / double(2 * kBatch);
-    }
-    std::vector<double> gradient = fit.zeros();
-    for (std::size_t n = 0; n < 2 * kBatch; ++n) {
-      const double cover = number <= kEvenSteps ? 0 : n < kBatch ? -kCover : kCover;
-      const double slope = std::clamp(difference[n] - mean, -kLargest, kLargest) + cover;
-      fit.add_gradient(*rows[n], fields[n], slope / double(2 * kBatch), gradient);
-    }
-    fit.step(gradient, number, kLastRate + (kRate - kLastRate) * (1 - double(number) / double(kSteps)));
+    batch.draw(fit, number);
+    const double rate = kLastRate + (kRate - kLastRate) * (1 - double(number) / double(kSteps));
+    fit.step(batch.gradient(fit, number <= kEvenSteps ? 0 : kCover), number, rate);
   }
   return fit.weights();
 }

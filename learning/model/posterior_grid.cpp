@@ -71,8 +71,7 @@ class GridAxis {
   GridAxis(const std::vector<double>& middles, std::span<const double> values) : middles_(middles) {
     std::map<int, Piece> pieces;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      int left = 0;
-      while (left + 2 < int(middles.size()) && values[i] >= middles[std::size_t(left) + 1]) ++left;
+      const int left = left_middle(values[i]);
       const double share =
           middles.size() < 2 ? 0 : std::clamp((values[i] - middle(left)) / (middle(left + 1) - middle(left)), 0.0, 1.0);
       share_.push_back(share);
@@ -98,6 +97,11 @@ class GridAxis {
 
  private:
   double middle(int i) const { return middles_[std::size_t(i)]; }
+  /// The middle below a value; the first or last but one for values beyond the ends.
+  int left_middle(double value) const {
+    if (middles_.size() < 3) return 0;
+    return int(std::upper_bound(middles_.begin() + 1, middles_.end() - 1, value) - middles_.begin()) - 1;
+  }
 
   const std::vector<double>& middles_;
   std::vector<double> share_;  // [value] of the way from the left middle to the right one

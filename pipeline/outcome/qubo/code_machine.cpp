@@ -263,7 +263,7 @@ std::vector<double> given_others(const learning::WordMachine& machine, std::size
 
 CodeMachine::Reference CodeMachine::outcomes() const {
   constexpr std::uint64_t kStream = 0x72656665;  // of random numbers
-  constexpr std::size_t kChains = 32, kRungs = 5, kBurnIn = 1000, kDraws = 200, kEvery = 5;
+  constexpr std::size_t kChains = 32, kRungs = 5, kBurnIn = 3000, kDraws = 200, kEvery = 5;
   const auto group =
       std::find_if(groups_.begin(), groups_.end(), [](const CodeGroup& candidate) { return candidate.variable < 0; });
   if (group == groups_.end()) return {};

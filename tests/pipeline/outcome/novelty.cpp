@@ -65,6 +65,30 @@ TEST_CASE("novelty is the distance to the nearest trial over the median between 
   CHECK(novelty.of(std::span(model.training_points).subspan(kVariables, kVariables)) == 0);
 }
 
+TEST_CASE("novelty along a variable is that of its points, one by one") {
+  const learning::Model model = model_of(GENERATE(1, 31), GENERATE(true, false));
+  const Novelty novelty(model);
+  test::Draw draw(9);
+  std::vector<double> values{-50, -2, -2};  // far outside, and the same twice
+  for (int k = 0; k < 60; ++k) values.push_back(-4 + 10 * double(k) / 59);
+  for (std::size_t n = 0; n < model.training_outcomes.size(); ++n)  // the trials' own values
+    values.push_back(model.training_points[n * kVariables]);
+  std::erase_if(values, [](double x) { return std::isnan(x); });
+  std::sort(values.begin(), values.end());
+  for (std::size_t variable = 0; variable < kVariables; ++variable) {  // the third is no axis
+    double point[kVariables];
+    for (double& x : point) x = draw.between(-3, 5);
+    if (variable == 3) point[0] = NAN;
+    std::vector<double> along(values.size());
+    novelty.along(point, variable, values, along);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      point[variable] = values[i];
+      INFO("variable " << variable << " at " << values[i]);
+      CHECK(along[i] == Approx(novelty.of(point)).epsilon(1e-5).margin(1e-9));
+    }
+  }
+}
+
 TEST_CASE("novelty of one trial alone is the plain distance, and of a point that knows nothing zero") {
   const learning::Model model = model_of(1, true);
   const Novelty novelty(model);
