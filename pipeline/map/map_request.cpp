@@ -1,6 +1,7 @@
 #include "pipeline/map/map_request.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -36,9 +37,13 @@ OutcomeModel outcome_model_of(const TrainedModel& trained) {
   model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
     predictor->outcome_probabilities(points, result);
   };
-  model.on_slopes =
-      kept_answers([predictor](std::span<const double> point) { return predictor->needs_summation(point); },
-                   [predictor](auto... asked) { predictor->on_slopes(asked...); });
+  model.on_slopes = [predictor, kept = std::make_shared<KeptAnswers>()](
+                        std::span<const double> points, std::span<const double> along, std::span<const double> across,
+                        std::span<double> result) {
+    predictor->on_slopes(points, along, across, result, [&](auto point, auto answer, const auto& compute) {
+      kept->fill(std::array{point, along, across}, answer, compute);
+    });
+  };
   model.novelty = [predictor](std::span<const double> point) { return predictor->novelty(point); };
   model.novelty_uphill = [predictor](auto... asked) { predictor->novelty_uphill(asked...); };
   if (!trained.is_up_to_date)

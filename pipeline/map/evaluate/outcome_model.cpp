@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
-#include <mutex>
-#include <unordered_map>
 
 namespace gonogo::map {
 
@@ -397,74 +394,25 @@ void add_crossing_model(OutcomeModel& model, const OutcomeModel& crossing) {
   };
 }
 
-namespace {
-
-constexpr std::size_t kMostKept = std::size_t(32) << 20;  // numbers
-
-using Answers = std::shared_ptr<const std::vector<double>>;
-
-/// By the bits of point and slopes.
-class Kept {
- public:
-  Answers find(const std::string& key) {
-    const std::lock_guard lock(mutex_);
-    const auto found = answers_.find(key);
-    return found == answers_.end() ? nullptr : found->second;
+void KeptAnswers::fill(std::span<const std::span<const double>> asked, std::span<double> answer,
+                       const std::function<void(std::span<double>)>& compute) {
+  constexpr std::size_t kMostKept = std::size_t(32) << 20;  // numbers
+  std::string key;
+  for (const std::span<const double> part : asked) {
+    key.append(reinterpret_cast<const char*>(part.data()), part.size_bytes());
+    key.push_back('|');
   }
-  void add(const std::string& key, Answers answers) {
+  {
     const std::lock_guard lock(mutex_);
-    if (size_ + answers->size() > kMostKept) return;
-    if (answers_.emplace(key, answers).second) size_ += answers->size();
-  }
-
- private:
-  std::mutex mutex_;
-  std::unordered_map<std::string, Answers> answers_;
-  std::size_t size_ = 0;
-};
-
-void append_bits(std::string& key, std::span<const double> values) {
-  key.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-  key.push_back('|');
-}
-
-}  // namespace
-
-SlopeAnswers kept_answers(std::function<bool(std::span<const double>)> is_sum, SlopeAnswers answers) {
-  return [kept = std::make_shared<Kept>(), is_sum = std::move(is_sum), answers = std::move(answers)](
-             std::span<const double> points, std::span<const double> along, std::span<const double> across,
-             std::span<double> result) {
-    const std::size_t width = campaign::contract().variables.size(), count = points.size() / width;
-    const std::size_t size = result.size() / std::max<std::size_t>(1, count);
-    std::vector<double> plain;
-    std::vector<std::size_t> place;
-    for (std::size_t n = 0; n < count; ++n) {
-      std::vector<double> point(points.begin() + std::ptrdiff_t(n * width),
-                                points.begin() + std::ptrdiff_t((n + 1) * width));
-      point[campaign::contract().variable_index("slope_along")] = 0;
-      point[campaign::contract().variable_index("slope_across")] = 0;
-      if (!is_sum(point)) {
-        plain.insert(plain.end(), point.begin(), point.end());
-        place.push_back(n);
-        continue;
-      }
-      std::string key;
-      for (const std::span<const double> part : {std::span<const double>(point), along, across}) append_bits(key, part);
-      Answers found = kept->find(key);
-      if (!found) {
-        auto own = std::make_shared<std::vector<double>>(size);
-        answers(point, along, across, *own);
-        kept->add(key, found = own);
-      }
-      std::copy(found->begin(), found->end(), result.begin() + std::ptrdiff_t(n * size));
+    if (const auto found = answers_.find(key); found != answers_.end()) {
+      std::copy(found->second.begin(), found->second.end(), answer.begin());
+      return;
     }
-    if (plain.empty()) return;
-    if (place.size() == count) return answers(plain, along, across, result);
-    std::vector<double> own(place.size() * size);
-    answers(plain, along, across, own);
-    for (std::size_t k = 0; k < place.size(); ++k)
-      std::copy_n(own.begin() + std::ptrdiff_t(k * size), size, result.begin() + std::ptrdiff_t(place[k] * size));
-  };
+  }
+  compute(answer);
+  const std::lock_guard lock(mutex_);
+  if (size_ + answer.size() > kMostKept) return;
+  if (answers_.try_emplace(std::move(key), answer.begin(), answer.end()).second) size_ += answer.size();
 }
 
 }  // namespace gonogo::map

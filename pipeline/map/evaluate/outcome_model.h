@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "base/json/config.h"
@@ -171,10 +173,19 @@ struct OutcomeModel {
   std::optional<ConeIndexNeed> cone_index;  // of the vehicle; none: fine-grained soil is unknown
 };
 
-/// Gives what `answers` gives. Keeps the answers of points that `is_sum` tells to be sums, which cost most: entries of
-/// a soil table for a firm, a soft and an unmeasured soil, and soils with a sample in common, ask for the same.
-/// Thread-safe.
-SlopeAnswers kept_answers(std::function<bool(std::span<const double> point)> is_sum, SlopeAnswers answers);
+/// Answers that cost much, by the bits of what was asked: entries of a soil table for a firm, a soft and an unmeasured
+/// soil, and soils with a sample in common, ask for the same. Thread-safe.
+class KeptAnswers {
+ public:
+  /// Fills `answer` from memory, or by `compute` the first time.
+  void fill(std::span<const std::span<const double>> asked, std::span<double> answer,
+            const std::function<void(std::span<double>)>& compute);
+
+ private:
+  std::mutex mutex_;
+  std::unordered_map<std::string, std::vector<double>> answers_;
+  std::size_t size_ = 0;  // numbers in them
+};
 
 // Ditches on a map, answered by a model of trials that cross them.
 //

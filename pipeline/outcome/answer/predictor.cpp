@@ -165,7 +165,7 @@ void Predictor::outcome_probabilities(std::span<const double> points, std::span<
 }
 
 void Predictor::on_slopes(std::span<const double> points, std::span<const double> along, std::span<const double> across,
-                          std::span<double> result) const {
+                          std::span<double> result, const SlopeSums& sums) const {
   const std::size_t width = model_->layout.variable_count(), count = points.size() / width;
   const std::size_t outcomes = go_weight_.size(), answers = along.size() * across.size() * outcomes;
   GONOGO_ASSERT(result.size() == count * answers);
@@ -173,8 +173,7 @@ void Predictor::on_slopes(std::span<const double> points, std::span<const double
                     v_across = campaign::contract().variable_index("slope_across");
   learning::VariableGrid grid{v_along, v_across, along, across};
   if (across.size() == 1) grid = {v_across, v_along, across, along};  // the second variable is computed side by side
-  const auto answer = [&](std::size_t n) {
-    const std::span<double> own = result.subspan(n * answers, answers);
+  const auto answer = [&](std::size_t n, std::span<double> own) {
     posterior_.on_grid(points.subspan(n * width, width), grid, own);
     if (model_->calibration_power == 1) return;
     for (std::size_t i = 0; i < answers; i += outcomes)
@@ -185,12 +184,16 @@ void Predictor::on_slopes(std::span<const double> points, std::span<const double
     std::vector<double> point(points.begin() + std::ptrdiff_t(n * width),
                               points.begin() + std::ptrdiff_t((n + 1) * width));
     point[v_along] = point[v_across] = 0;
-    if (needs_summation(point))
-      answer(n);  // on all threads by itself
-    else
+    const std::span<double> own = result.subspan(n * answers, answers);
+    if (!needs_summation(point))
       known.push_back(n);
+    else if (sums)
+      sums(point, own, [&](std::span<double> fresh) { answer(n, fresh); });
+    else
+      answer(n, own);  // on all threads by itself
   }
-  for_each_on_host(known.size(), 1, [&](std::size_t k) { answer(known[k]); });
+  for_each_on_host(known.size(), 1,
+                   [&](std::size_t k) { answer(known[k], result.subspan(known[k] * answers, answers)); });
 }
 
 void Predictor::novelty_uphill(std::span<const double> variables, std::span<const double> slopes,

@@ -2,6 +2,7 @@
 // point lies from the trials.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -58,11 +59,14 @@ class Predictor {
   void p_go(std::span<const double> points, std::span<double> result) const;
   void outcome_probabilities(std::span<const double> points, std::span<double> result) const;
 
+  /// Fills `answer` for a point without slopes, by `compute` or from memory.
+  using SlopeSums = std::function<void(std::span<const double> point, std::span<double> answer,
+                                       const std::function<void(std::span<double>)>& compute)>;
   /// P(outcome) of many points at every pair of slopes [deg]; the slopes in `points` are ignored. result:
   /// [point][along] [across][outcome]. Unknown variables are summed out within kGridError, see
-  /// learning::Posterior::on_grid().
+  /// learning::Posterior::on_grid(). These sums cost most, and go through `sums` if it is given.
   void on_slopes(std::span<const double> points, std::span<const double> along, std::span<const double> across,
-                 std::span<double> result) const;
+                 std::span<double> result, const SlopeSums& sums = {}) const;
 
   /// Whether every known variable lies in the range that trials sampled. A variable held fixed must equal that value.
   bool inside_sampled_box(std::span<const double> variables) const;
