@@ -18,40 +18,41 @@
 namespace gonogo::map {
 namespace {
 
-constexpr double kDiameter = 1, kAspect = 0.75, kUsualDeflection = 0.15;  // [m]; of a tyre's section: height over width
-constexpr double kLeastShare = 0.02;                                      // of the weight on an axle with a pull
+constexpr double kAspect = 0.75, kUsualDeflection = 0.15;  // of a tyre's section: height over width
+constexpr double kLeastShare = 0.02;                       // of the weight on an axle with a pull
 
 /// A vehicle of the family on a trial's soil and slope.
 struct Asked {
   vehicle::VehicleNumbers numbers;
-  double grade = 0, slope = 0, speed = 0;            // tan(slope); [rad]; over sqrt(g D)
+  double grade = 0, slope = 0, speed = 0;             // tan(slope); [rad]; over sqrt(g D)
   double friction_angle = 0, cohesion = 0, cone = 0;  // [rad], [Pa], [Pa]
-  double weight = 0;                                  // [N]
+  double diameter = 1, weight = 0;                    // [m], [N]
 };
 
-Asked asked_at(std::span<const double> point) {
+Asked asked_at(std::span<const double> point, double diameter) {
   const auto value = [&](const char* name) { return point[campaign::contract().variable_index(name)]; };
   Asked a{.numbers = campaign::vehicle_at({.variables = {point.begin(), point.end()}})};
+  a.diameter = diameter;
   a.slope = to_radians(value("slope_along"));
   a.grade = std::tan(a.slope);
-  a.speed = value("commanded_speed") / std::sqrt(kGravity * kDiameter);
+  a.speed = value("commanded_speed") / std::sqrt(kGravity * a.diameter);
   a.friction_angle = to_radians(value("friction_angle"));
   a.cohesion = 1e3 * value("cohesion");
   a.cone = terrain::cone_index(a.cohesion, value("friction_angle"));
   const vehicle::WheelNumbers& w = a.numbers.wheel;
-  a.weight = 2 * a.numbers.axles * w.load * vehicle::kFamilyDensity * kGravity * w.width * std::pow(kDiameter, 3);
+  a.weight = 2 * a.numbers.axles * w.load * vehicle::kFamilyDensity * kGravity * w.width * std::pow(a.diameter, 3);
   return a;
 }
 
 vehicle::WheelOnSoil wheel_on_soil(const Asked& a, double share) {
   const vehicle::WheelNumbers& w = a.numbers.wheel;
-  const double width = w.width * kDiameter, height = kAspect * width;
+  const double width = w.width * a.diameter, height = kAspect * width;
   const bool rigid = w.deflection < vehicle::kNegligible;
   return {.load = share * a.weight / 2,
-          .diameter = kDiameter,
+          .diameter = a.diameter,
           .width = width,
           .section_height = height,
-          .deflection = std::min(rigid ? kUsualDeflection * height : w.deflection * kDiameter, 0.9 * height),
+          .deflection = std::min(rigid ? kUsualDeflection * height : w.deflection * a.diameter, 0.9 * height),
           .cone_index = a.cone};
 }
 
@@ -74,8 +75,8 @@ double one_pass_index(const Asked& a) {
       .axle_load = 2 * wheel.load,
       .diameter = wheel.diameter,
       .section_width = wheel.width,
-      .clearance = a.numbers.clearance * kDiameter,
-      .power_per_mass = a.numbers.power * std::sqrt(kGravity * kDiameter) * kGravity,
+      .clearance = a.numbers.clearance * a.diameter,
+      .power_per_mass = a.numbers.power * std::sqrt(kGravity * a.diameter) * kGravity,
   });
   return vehicle::wheeled_cone_index(factors.index(), wheel.deflection / wheel.section_height).one_pass * kPsi;
 }
@@ -108,9 +109,9 @@ double bekker_margin(const Asked& a) {
                                  .cohesion = a.cohesion,
                                  .friction_angle = a.friction_angle,
                                  .shear_modulus = 0.025};
-  const vehicle::RigidWheel wheel{.radius = kDiameter / 2,
-                                  .width = a.numbers.wheel.width * kDiameter,
-                                  .lug_height = a.numbers.wheel.lug * kDiameter};
+  const vehicle::RigidWheel wheel{.radius = a.diameter / 2,
+                                  .width = a.numbers.wheel.width * a.diameter,
+                                  .lug_height = a.numbers.wheel.lug * a.diameter};
   try {
     return best_pull(a,
                      [&](const vehicle::WheelOnSoil& w, double slip) {
@@ -129,8 +130,8 @@ const std::vector<std::string>& rival_names() {
   return names;
 }
 
-std::vector<double> rival_margins(std::span<const double> point) {
-  const Asked a = asked_at(point);
+std::vector<double> rival_margins(std::span<const double> point, double diameter) {
+  const Asked a = asked_at(point, diameter);
   return {cone_index_margin(a), sand_margin(a), clay_margin(a), bekker_margin(a)};
 }
 

@@ -21,7 +21,7 @@ namespace gonogo::map {
 /// Names, in the order of rival_margins().
 const std::vector<std::string>& rival_names();
 
-/// Margins at a point of the family's trials (variables of the contract, wheels of 1 m on the Earth).
-std::vector<double> rival_margins(std::span<const double> point);
+/// Margins at a point of the family's trials: variables of the contract, wheels of this diameter [m] on the Earth.
+std::vector<double> rival_margins(std::span<const double> point, double diameter);
 
 }  // namespace gonogo::map

@@ -69,7 +69,8 @@ std::string forecasts_csv(const map::TrainedModel& family, const campaign::Datas
     if (trial.verdict == campaign::Verdict::unknown) continue;
     for (const double value : trial.point.variables) text += line("%.17g,", value);
     text += line("%d,%.6g", campaign::passes(trial.verdict), family.predictor->p_go(trial.point.variables));
-    for (const double margin : map::rival_margins(trial.point.variables)) text += line(",%.5f", margin);
+    for (const double margin : map::rival_margins(trial.point.variables, family.family->diameter))
+      text += line(",%.5f", margin);
     text += "\n";
   }
   return text;

@@ -63,10 +63,16 @@ TrainingData checked(const std::vector<campaign::TrialRecord>& wheels, const std
   constexpr std::size_t kFewest = 50;
   TrainingData data = make_training_data(wheels, std::nullopt);
   if (data.table.row_count() < kFewest)
-    throw InputError(where + ": has " + std::to_string(data.table.row_count()) +
-                     " valid trials of wheels; at least " + std::to_string(kFewest) +
-                     " are needed to compose vehicles of them");
+    throw InputError(where + ": has " + std::to_string(data.table.row_count()) + " valid trials of wheels; at least " +
+                     std::to_string(kFewest) + " are needed to compose vehicles of them");
   return data;
+}
+
+/// What is left until a vehicle on stiff springs tips over, as tangents of slopes along and across.
+double standing(const vehicle::VehicleNumbers& v, double along, double across) {
+  const double base = v.axle_gap + v.axles - 1, front = v.centre_behind * base;
+  return std::min({(base - front) / v.centre_height - along, front / v.centre_height + along,
+                   v.track / 2 / v.centre_height - std::abs(across)});
 }
 
 }  // namespace
@@ -78,14 +84,20 @@ bool are_of_wheels(const std::vector<campaign::TrialRecord>& records) {
   });
 }
 
-ComposedVehicle::ComposedVehicle(const std::vector<campaign::TrialRecord>& wheels, const std::string& where) {
+ComposedVehicle::ComposedVehicle(const std::vector<campaign::TrialRecord>& wheels, const std::string& where,
+                                 double wheel_diameter, double vehicle_diameter, double gravity)
+    : unit_speed_(std::sqrt(gravity * vehicle_diameter)),
+      scale_(wheel_diameter / vehicle_diameter),
+      wheel_diameter_(wheel_diameter) {
   const TrainingData data = checked(wheels, where);
   for (std::size_t v = 0; v < data.lower.size(); ++v) box_.push_back({data.lower[v], data.upper[v]});
   pull_ = fit(data, box_, measures(wheels, "pull"));
   sinkage_ = fit(data, box_, measures(wheels, "sinkage"));
 }
 
-std::vector<double> ComposedVehicle::pull(std::span<const double> points) const { return pull_(wheel_inputs(points, box_)); }
+std::vector<double> ComposedVehicle::pull(std::span<const double> points) const {
+  return pull_(wheel_inputs(points, box_));
+}
 
 std::vector<double> ComposedVehicle::sinkage(std::span<const double> points) const {
   return sinkage_(wheel_inputs(points, box_));
@@ -93,14 +105,18 @@ std::vector<double> ComposedVehicle::sinkage(std::span<const double> points) con
 
 std::vector<ComposedMargins> ComposedVehicle::margins(std::span<const double> points) const {
   static const std::size_t width = campaign::contract().variables.size(), slope_at = index("slope_along"),
-                           speed_at = index("commanded_speed"), load = index("load_number"),
-                           slip = index("single_wheel_slip");
-  const double unit_speed = std::sqrt(kGravity);  // sqrt(g D) of the family's wheel of 1 m [m/s]
+                           across_at = index("slope_across"), speed_at = index("commanded_speed"),
+                           load = index("load_number"), slip = index("single_wheel_slip"),
+                           depth_at = index("bed_depth"), cohesion = index("cohesion");
   std::vector<double> asked, share_of;
   std::vector<vehicle::VehicleNumbers> numbers;
   for (std::size_t first = 0; first < points.size(); first += width) {
     std::vector<double> x(points.begin() + std::ptrdiff_t(first), points.begin() + std::ptrdiff_t(first + width));
     numbers.push_back(campaign::vehicle_at({.variables = x}));
+    // At the wheels' size, with equal c / (rho g D) and v / sqrt(g D).
+    x[cohesion] *= scale_;
+    x[depth_at] *= scale_;
+    x[speed_at] *= std::sqrt(scale_);
     const double mean_load = x[load];
     for (const double share : vehicle::axle_shares(numbers.back(), to_radians(x[slope_at]))) {
       share_of.push_back(share);
@@ -117,6 +133,7 @@ std::vector<ComposedMargins> ComposedVehicle::margins(std::span<const double> po
   for (std::size_t n = 0; n < numbers.size(); ++n) {
     const vehicle::VehicleNumbers& v = numbers[n];
     const double grade = std::tan(to_radians(points[n * width + slope_at]));
+    const double across = std::tan(to_radians(points[n * width + across_at]));
     std::array<double, kSlips.size()> total{}, depth{};
     for (int axle = 0; axle < v.axles; ++axle, ++wheel)
       for (std::size_t k = 0; k < kSlips.size(); ++k) {
@@ -124,15 +141,17 @@ std::vector<ComposedMargins> ComposedVehicle::margins(std::span<const double> po
         depth[k] = std::max(depth[k], depths[wheel * kSlips.size() + k]);
       }
     const std::size_t best = std::size_t(std::max_element(total.begin(), total.end()) - total.begin());
-    const double drive = vehicle::drive_force(v, points[n * width + speed_at] / unit_speed) - grade;
-    result.push_back({total[best] - grade, std::clamp(drive, -1.0, 1.0), v.clearance - depth[best]});
+    const double drive = vehicle::drive_force(v, points[n * width + speed_at] / unit_speed_) - grade;
+    result.push_back({total[best] - grade, std::clamp(drive, -1.0, 1.0), v.clearance - depth[best] / wheel_diameter_,
+                      std::clamp(standing(v, grade, across), -1.0, 1.0)});
   }
   return result;
 }
 
 std::vector<double> ComposedVehicle::inputs(std::span<const double> points) const {
   std::vector<double> result;
-  for (const ComposedMargins& m : margins(points)) result.insert(result.end(), {m.traction, m.drive, m.clearance});
+  for (const ComposedMargins& m : margins(points))
+    result.insert(result.end(), {m.traction, m.drive, m.clearance, m.standing});
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/json/config.h"
+#include "base/units.h"
 #include "learning/rbm/gaussian_process.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "vehicle/family/vehicle_numbers.h"
@@ -20,6 +21,8 @@ struct ComposedMargins {
   double traction = 0;   // largest pull of its wheels over the weight, all at one slip, less tan(slope)
   double drive = 0;      // tractive force over the weight at the commanded speed, less tan(slope), in [-1, 1]
   double clearance = 0;  // of the belly over the diameter, less the sinkage where wheels pull most
+  double standing = 0;   // slope at which it tips over, less the slope, as tangents: the least of uphill, downhill and
+                         // to a side, in [-1, 1]
 };
 
 /// Whether these trials are of wheels by themselves.
@@ -27,10 +30,12 @@ bool are_of_wheels(const std::vector<campaign::TrialRecord>& records);
 
 class ComposedVehicle {
  public:
-  static constexpr std::size_t kInputs = 3;  // of ComposedMargins
+  static constexpr std::size_t kInputs = 4;  // of ComposedMargins
 
-  /// Learns trials of wheels. Throws InputError, which `where` starts, for fewer than 50 valid ones.
-  ComposedVehicle(const std::vector<campaign::TrialRecord>& wheels, const std::string& where);
+  /// Learns trials of wheels of a diameter, for vehicles on wheels of another [m], at one gravity [m/s^2]. Throws
+  /// InputError, which `where` starts, for fewer than 50 valid ones.
+  ComposedVehicle(const std::vector<campaign::TrialRecord>& wheels, const std::string& where, double wheel_diameter = 1,
+                  double vehicle_diameter = 1, double gravity = kGravity);
 
   /// point: variables of the contract, of a whole vehicle of the family.
   std::vector<ComposedMargins> margins(std::span<const double> points) const;
@@ -42,7 +47,9 @@ class ComposedVehicle {
   std::vector<double> sinkage(std::span<const double> points) const;
 
  private:
-  std::vector<Range> box_;  // of the trials, by variable
+  double unit_speed_;              // sqrt(g D) of the vehicle's wheels [m/s]
+  double scale_, wheel_diameter_;  // of lengths, from the vehicle's wheels to those of the trials; of these [m]
+  std::vector<Range> box_;         // of the trials, by variable
   learning::GaussianRegression pull_, sinkage_;
 };
 

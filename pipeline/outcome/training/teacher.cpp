@@ -142,12 +142,22 @@ std::vector<double> OtherTrials::at_own(const std::vector<double>& points, std::
 
 namespace {
 
+/// Of the wheels of the family that trials drove [m]. Throws InputError where they drove one vehicle.
+double family_diameter(const campaign::Provenance& provenance, const std::string& where) {
+  const Config file = Config::parse(*campaign::input_text(provenance, "vehicle"), where + ": vehicle");
+  if (!vehicle::is_family(file))
+    throw InputError(where + ": its trials drove one vehicle, which is not composed of a family's wheels; train alone");
+  return vehicle::read_family(file).diameter;
+}
+
 /// Composes vehicles of these wheels, which must be of the family that the own trials drove.
-void add_wheels(OtherTrials& others, const campaign::Dataset& wheels, const fs::path& file, const TrialSource& own) {
+void add_wheels(OtherTrials& others, const campaign::Dataset& wheels, const fs::path& file, const TrialSource& own,
+                double own_diameter) {
   const TrialSource source = source_of(wheels.provenance, file.string());
   if (others.composed) throw InputError(file.string() + ": is a second dataset of wheels by themselves; give one");
   if (source.gravity != own.gravity || source.vehicle != own.vehicle) require_pair(own, source);
-  others.composed = std::make_shared<const ComposedVehicle>(wheels.records, file.string());
+  others.composed = std::make_shared<const ComposedVehicle>(
+      wheels.records, file.string(), family_diameter(wheels.provenance, file.string()), own_diameter, own.gravity);
   const auto valid = std::count_if(wheels.records.begin(), wheels.records.end(), [](const campaign::TrialRecord& r) {
     return r.verdict != campaign::Verdict::unknown;
   });
@@ -164,7 +174,7 @@ OtherTrials read_other_trials(const campaign::Provenance& own, const std::string
   for (const fs::path& file : others) {
     const campaign::Dataset dataset = campaign::read_dataset(file);
     if (are_of_wheels(dataset.records)) {
-      add_wheels(result, dataset, file, seen.front());
+      add_wheels(result, dataset, file, seen.front(), family_diameter(own, where));
       continue;
     }
     result.own = seen.front().fidelity.inputs();

@@ -52,7 +52,7 @@ TEST_CASE("on level ground a vehicle of equal wheels pulls as one of them") {
                                    .section_height = 0.225,
                                    .deflection = 0.04,
                                    .cone_index = terrain::cone_index(8e3, 30)};
-  const std::vector<double> margins = rival_margins(point_of(0));
+  const std::vector<double> margins = rival_margins(point_of(0), 1);
   CHECK(margins[place("cone_index")] == Approx(vehicle::brixius(wheel, 0.4, true).net()).margin(0.03));
   CHECK(margins[place("drove_clay")] == Approx(vehicle::clay_traction(wheel, 0.7).net()));
 }
@@ -60,12 +60,12 @@ TEST_CASE("on level ground a vehicle of equal wheels pulls as one of them") {
 TEST_CASE("all relations lose by slope, and none pulls more than the driveline") {
   for (std::size_t k = 0; k < rival_names().size(); ++k) {
     INFO(rival_names()[k]);
-    CHECK(rival_margins(point_of(20))[k] < rival_margins(point_of(5))[k]);
-    CHECK(rival_margins(point_of(0, 0.05))[k] == Approx(0.05 / (2 / std::sqrt(kGravity))));
+    CHECK(rival_margins(point_of(20), 1)[k] < rival_margins(point_of(5), 1)[k]);
+    CHECK(rival_margins(point_of(0, 0.05), 1)[k] == Approx(0.05 / (2 / std::sqrt(kGravity))));
   }
 }
 
 TEST_CASE("a vehicle below its cone index of one pass is no-go by that relation, at any slope") {
-  CHECK(rival_margins(point_of(0, 3, 8))[place("cone_index")] > 0);
-  CHECK(rival_margins(point_of(0, 3, 0, 5, 0.2))[place("cone_index")] == -1);
+  CHECK(rival_margins(point_of(0, 3, 8), 1)[place("cone_index")] > 0);
+  CHECK(rival_margins(point_of(0, 3, 0, 5, 0.2), 1)[place("cone_index")] == -1);
 }

@@ -60,6 +60,7 @@ std::vector<double> vehicle_point(double slope, double power) {
   set("centre_height_ratio", 1);
   set("centre_share", 0.5);
   set("clearance_ratio", 0.5);
+  set("track_ratio", 2);
   set("force_number", 2);
   set("power_number", power);
   set("commanded_speed", 2);
@@ -86,6 +87,31 @@ TEST_CASE("a vehicle composed of wheels pulls and sinks as the closed form that 
   const ComposedMargins steep = composed.margins(vehicle_point(slope, 3)).front();
   CHECK(steep.traction == Approx(expected).margin(0.03));
   CHECK(steep.clearance < level.clearance);
+}
+
+TEST_CASE("vehicles of any size are composed of the same wheels at equal numbers without dimension") {
+  const ComposedVehicle same(made_wheels(200), "wheels"), half(made_wheels(200), "wheels", 1, 0.5);
+  std::vector<double> small = vehicle_point(10, 1);
+  small[index("cohesion")] *= 0.5;
+  small[index("bed_depth")] *= 0.5;
+  small[index("commanded_speed")] *= std::sqrt(0.5);
+  const ComposedMargins one = same.margins(vehicle_point(10, 1)).front(), other = half.margins(small).front();
+  CHECK(other.traction == Approx(one.traction));
+  CHECK(other.drive == Approx(one.drive));
+  CHECK(other.clearance == Approx(one.clearance));
+}
+
+TEST_CASE("a vehicle tips over where its centre of mass passes a wheel") {
+  const ComposedVehicle composed(made_wheels(100), "wheels");
+  // On a base of 4 diameters the centre is 2 behind the first axle and 1 high; half of the track is 1.
+  std::vector<double> x = vehicle_point(30, 1);
+  x[index("slope_across")] = 30;
+  CHECK(composed.margins(x).front().standing == Approx(1 - std::tan(to_radians(30))));
+  x[index("centre_share")] = 0.9;
+  CHECK(composed.margins(x).front().standing == Approx(0.4 - std::tan(to_radians(30))));
+  x[index("centre_share")] = 0.1;
+  x[index("slope_along")] = -30;
+  CHECK(composed.margins(x).front().standing == Approx(0.4 - std::tan(to_radians(30))));
 }
 
 TEST_CASE("a driveline pulls what force and power give at the commanded speed") {
