@@ -22,7 +22,7 @@ VEHICLES = ["Clearpath Husky A200", "Clearpath Warthog", "Polaris RZR 4 (2010)",
 SOILS = {"loose sand": (30, 0.1, 0.1), "dense sand": (40, 0.1, 0.9), "firm loam": (38, 14, 0.8)}
 # steepest slopes [deg]: lowest and highest that agree, and who says so
 PUBLISHED = {
-    ("MER", "loose sand"): (8, 20, "a little less than Curiosity (same)"),
+    ("MER", "loose sand"): (8, 20, "a little less than Curiosity (same source)"),
     ("MSL Curiosity", "loose sand"): (8, 20, "about 15 deg in soft sand (NASA, techbriefs.tv/video/Martian-Dune-Buggy)"),
     ("Lunar Roving Vehicle", "dense sand"): (19, 31, "25 deg"),
     ("HMMWV M998", "firm loam"): (29, 90, "60 % grade"),

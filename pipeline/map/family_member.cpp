@@ -120,7 +120,7 @@ std::vector<double> family_point(const FamilyMember& m, std::span<const double> 
 Spreads family_values(const FamilyMember& m, const std::vector<Range>& sampled) {
   Spreads values;
   for (const vehicle::PlacedNumber& n : numbers_of(m, sampled))
-    values[n.name] = {Spread::Kind::fixed, n.value, n.value, "file of the vehicle " + m.vehicle.name};
+    values[n.name] = {Spread::Kind::fixed, n.value, n.value, vehicle_source(m.vehicle.name)};
   return values;
 }
 
@@ -180,7 +180,14 @@ campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMem
 campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesystem::path& file) {
   campaign::Dataset own = campaign::read_dataset(file);
   const std::string* text = campaign::input_text(own.provenance, "vehicle");
-  if (!model.family || (text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle")))) return own;
+  if (text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle"))) return own;
+  if (!model.family) {
+    const Range load = sampled_box(model)[campaign::contract().variable_index("load_number")];
+    if (load.maximum > load.minimum)
+      throw InputError(model.file.string() + ": is a model of a family, whose trials are not beside it; put their " +
+                       "dataset.h5 into its folder, which says how vehicles are scaled");
+    return own;
+  }
   const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
   if (!driven)
     throw InputError(file.string() + ": does not hold the files of its vehicle and soil, so that the model " +

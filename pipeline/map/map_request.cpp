@@ -297,7 +297,8 @@ std::filesystem::path model_file(const MapFiles& files) {
   const std::filesystem::path file = shipped_file("vehicles", "vehicle", files.vehicle.string());
   const std::string name = vehicle_name(file);
   if (std::count(names.begin(), names.end(), name) == 1) return find_model(name);
-  if (const auto family = shipped_family_model()) return *family;
+  const bool is_wheeled = vehicle::read_vehicle(file).kind == vehicle::VehicleKind::wheeled;
+  if (const auto family = shipped_family_model(); family && is_wheeled) return *family;
   throw InputError(file.string() + ": the vehicle " + name + " has no model yet; " + shipped + ". " +
                    own_model_text(file, name, kGravity));
 }

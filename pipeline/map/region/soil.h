@@ -24,6 +24,9 @@ struct Spread {
 /// By name of the variable. A variable that is not listed is unknown, and the model sums it out.
 using Spreads = std::map<std::string, Spread>;
 
+/// Source of numbers that a vehicle has and the ground does not.
+inline std::string vehicle_source(const std::string& vehicle) { return "file of the vehicle " + vehicle; }
+
 /// Reads an object that gives {"fixed": x, "source": ...}, {"range": [low, high], "source": ...} or {"unknown": why}
 /// for each variable. A friction angle may say its "test", "stage" and "dilation_deg"; without them it is that of
 /// triaxial compression, peak. Throws InputError for other variables, slopes, values outside the contract's range, and

@@ -59,6 +59,7 @@ std::string conditions_text(const MapRequest& request) {
     text += ", moisture by a raster";
   text += "; " + heading_text(request.rules);
   for (const auto& [name, spread] : request.rules.values) {
+    if (spread.source == vehicle_source(request.model.vehicle)) continue;  // the vehicle's own numbers
     const campaign::Variable& variable = campaign::contract().variables[campaign::contract().variable_index(name)];
     text += "; " + name + " " + number_text(spread.low) +
             (spread.low == spread.high ? "" : " to " + number_text(spread.high)) + " " + variable.unit;

@@ -330,11 +330,11 @@ TEST_CASE("a family's model is refused without a vehicle, for tracks, and where 
   };
   CHECK(contains(refusal(""), "is a model of a family, wheeled_family; name one vehicle with --vehicle"));
   CHECK(contains(refusal("m113"), "the family has whole wheeled vehicles, and this is one on tracks"));
-  ::setenv("GONOGO_SHARE", folder.path().c_str(), 1);
-  MapFiles files = files_of(folder, {}, "fed_alpha", "shipped");
-  CHECK(read_map_request(files).model.vehicle == "fed_alpha");
-  ::unsetenv("GONOGO_SHARE");
+  CHECK(read_map_request(files_of(folder, {}, "fed_alpha", "shipped")).model.vehicle == "fed_alpha");
   fs::remove(folder.path() / "data/family/dataset.h5");
   CHECK(contains(refusal("hmmwv"), "are not beside it; give them with --dataset"));
+  const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm/fresh.h5";
+  CHECK(contains(input_error([&] { read_trials_for(read_trained_model(model), fresh); }),
+                 "is a model of a family, whose trials are not beside it; put their dataset.h5 into its folder"));
   CHECK_FALSE(fs::exists(folder / "refused"));
 }
