@@ -10,7 +10,7 @@
 #include "base/json/config.h"
 #include "base/units.h"
 #include "pipeline/map/region/obstacle.h"
-#include "pipeline/map/region/soil.h"
+#include "pipeline/map/soils/soil.h"
 #include "terrain/raster/grid.h"
 #include "terrain/soil/calibration.h"
 

@@ -20,7 +20,7 @@
 #include "base/json/config.h"
 #include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
-#include "pipeline/map/region/soil.h"
+#include "pipeline/map/soils/soil.h"
 
 namespace gonogo::map {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/map/region/soil.h"
+#include "pipeline/map/soils/soil.h"
 
 namespace gonogo::map {
 

@@ -1,4 +1,4 @@
-#include "pipeline/map/region/soil.h"
+#include "pipeline/map/soils/soil.h"
 
 #include <algorithm>
 #include <array>
