@@ -91,8 +91,9 @@ install_torch_in_venv() {
 # The serial OpenBLAS gives the same bits for any number of threads; one that is there is kept.
 provide_blas() {
   local blas
-  blas=$(update-alternatives --query "libblas.so.3-$(uname -m)-linux-gnu" 2>/dev/null | sed -n 's/^Value: //p')
-  [[ $blas != */blas/libblas.so.3 ]] || apt_install libopenblas0-serial
+  blas=$(update-alternatives --query "libblas.so.3-$(uname -m)-linux-gnu" 2>/dev/null | sed -n 's/^Value: //p' || true)
+  [[ $blas == */blas/libblas.so.3 ]] || return 0
+  apt_install libopenblas0-serial || say "OpenBLAS could not be installed: training takes longer, all else is as with it"
 }
 
 provide_torch() {
