@@ -215,11 +215,10 @@ void remark_on_tests(const Region& region, const Soil& soil, const std::string& 
       if (angle->second.kind != Spread::Kind::unknown) said.insert(test_remark(region, angle->second));
       break;
     }
-  constexpr std::size_t kMost = 3;
   said.erase("");
-  std::size_t count = 0;
-  for (const std::string& sentence : said)
-    if (++count <= kMost) remarks.push_back(where + sentence);
+  if (said.empty()) return;
+  const std::size_t others = said.size() - 1;
+  remarks.push_back(where + *said.begin() + (others > 0 ? line("; likewise %zu more of its angles", others) : ""));
 }
 
 /// Remarks on a soil of the map: what is too soft, has no texture, or was not sampled.
