@@ -238,6 +238,8 @@ Benchmark read_benchmark_file(const fs::path& file) {
   b.wheel_friction = read_assumed(c.object("wheel_friction"), {0, 2});
   read_soil_state(c.object("soil"), b);
   b.rim_turning = c.number_or("rim_rad_per_s", 0, {1e-4, 1e3});
+  b.way = c.number_or("way_m", 0, {1e-3, 1e3});
+  if (b.way > 0 && !b.leads(Quantity::slip)) c.fail("way_m", "is for a carriage that leads the slip of a wheel");
   b.slip_at_lugs = c.choice("slip_at", {"rim", "lugs"}) == "lugs";
   b.sinkage_from_lugs = c.choice("sinkage_from", {"rim", "lugs"}) == "lugs";
   check_measured(c, b);

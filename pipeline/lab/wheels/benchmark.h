@@ -66,6 +66,7 @@ struct Benchmark {
   std::filesystem::path soil_path;
   terrain::SoilState soil;
   double rim_turning = 0;  // [rad/s]; 0: by rule
+  double way = 0;          // of the carriage to the middle of what was averaged [m]; 0: by rule
   bool slip_at_lugs = false, sinkage_from_lugs = false;
   std::vector<Quantity> led;
   std::vector<BenchmarkPoint> point;  // that are run

@@ -145,14 +145,20 @@ TEST_CASE("rims turn as fast as the experiment's, and no slower than at a quarte
   CHECK(rim_speed_of(b) == Approx(10 * radius));
 }
 
-TEST_CASE(
-    "a wheel under slip angles ploughs a bed twice as deep, until its carriage has gone three radii or for twice the "
-    "time") {
+WheelRun nominal_run() {
   WheelRun run;
   run.calibration = std::string(GONOGO_SOURCE_DIR) + "/configs/soils/calibration_32mm.json";
   run.band = false;
   run.seeds = 1;
-  const Benchmark b = read_benchmark("cmu_smooth");
+  return run;
+}
+
+TEST_CASE(
+    "a wheel under slip angles ploughs a bed twice as deep, until its carriage has gone three radii or for twice the "
+    "time") {
+  WheelRun run = nominal_run();
+  Benchmark b = read_benchmark("cmu_smooth");
+  b.way = 0;
   const WheelBed bed = bed_of(b, run);
   CHECK(bed.grain == Approx(b.vehicle.wheel.front().width / 8));
   CHECK(bed.depth == Approx(1.6 * b.vehicle.wheel.front().radius));
@@ -168,6 +174,20 @@ TEST_CASE(
   }
   run.time = 1;
   CHECK(plan_wheels({b}, run).setup.back()->time_limit == 1);
+}
+
+TEST_CASE("the half of a led wheel's trial that counts has its middle where the experiment was averaged") {
+  WheelRun run = nominal_run();
+  const Benchmark b = read_benchmark("cmu_smooth");
+  REQUIRE(b.way == 0.725);
+  const WheelPlan plan = plan_wheels({b}, run);
+  for (const PlannedTrial& t : plan.trial) {
+    const double slip = b.point[t.at].led.at(Quantity::slip);
+    CHECK(t.setup->time_limit == t.setup->min_drive_time);
+    CHECK(0.75 * t.setup->time_limit * (1 - slip) * rim_speed_of(b) == Approx(0.725));
+  }
+  run.quick = true;
+  for (const auto& setup : plan_wheels({b}, run).setup) CHECK(setup->time_limit <= 2.001 * bed_of(b, run).time);
 }
 
 TEST_CASE("grains roll on the wheels of benchmarks as on each other, or as asked") {
