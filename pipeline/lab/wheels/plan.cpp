@@ -135,7 +135,8 @@ void add_case(const Benchmark& b, std::size_t index, std::size_t of_case, const 
       plan.setup.back()->grain_density = density;
       plan.setup.back()->task = task_at(b, p);
       if (run.time <= 0 && b.leads(Quantity::slip))
-        plan.setup.back()->min_drive_time = plan.setup.back()->time_limit = led_time(b, p, base.min_drive_time, run.quick);
+        plan.setup.back()->min_drive_time = plan.setup.back()->time_limit =
+            led_time(b, p, base.min_drive_time, run.quick);
     }
     const campaign::TrialSetup& setup = *plan.setup.back();
     const double depth = plan.outcome[index].bed.depth;
