@@ -68,7 +68,7 @@ struct ContactWriter {
   View<Index> contact_weight_of_body, second_count;  // [body] sums, for the solver
 
   GONOGO_HD void write(ContactIndex at, ShapeIndex i, ShapeIndex j, int feature, const Touch& t, const Vec3d& d) const {
-    GONOGO_ASSERT(is_unit(t.normal) && !(t.gap > settings.envelope));
+    GONOGO_ASSERT(is_unit(t.normal) && !(t.gap > settings.envelope + rounding_of_gap(i, j)));
     Contact c = make_contact(i, j, feature, t, d);
     const Impulse start = warm_start(i, j, feature);
     c.gap = counted_gap(c.gap, c.gap_rate, c.softness * dot(start.linear, c.normal), settings);
@@ -77,6 +77,11 @@ struct ContactWriter {
     key[at] = pair_key(j, feature);
     impulse[at] = start;
     count(c, start);
+  }
+
+  /// The search compares squares of distances, so that the gap of two spheres may exceed the envelope by its rounding.
+  GONOGO_HD Real rounding_of_gap(ShapeIndex i, ShapeIndex j) const {
+    return Real(1e-6) * (bounding_radius(find.shape[i]) + bounding_radius(find.shape[j]));
   }
 
   /// Fixed bodies get no list of contacts: they do not move, and a floor under a bed would have thousands.

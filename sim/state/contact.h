@@ -137,11 +137,12 @@ struct alignas(8 * sizeof(T)) VelocityT {
 using Impulse = ImpulseT<Real>;
 using Velocity = VelocityT<Real>;
 
-/// For assertions: whether an impulse lies in the cone of its contact, within rounding. NaN passes.
+/// For assertions: whether an impulse lies in the cone of its contact, within rounding: that of its own size, and that
+/// of the terms that cancelled in it, which change the contact's speed by 1e-6 m/s at most. NaN passes.
 GONOGO_HD inline bool is_in_cone(const ContactNumbers<Real>& c, const Impulse& p) {
   const Real along = dot(p.linear, c.normal), n = along + c.cohesion, spin = dot(p.angular, c.normal);
   const Real slide = length(p.linear - c.normal * along), roll = length(p.angular - c.normal * spin);
-  const Real slack = Real(1e-3) * (std::fabs(along) + c.cohesion) + Real(1e-20);
+  const Real slack = Real(1e-3) * (std::fabs(along) + c.cohesion) + Real(1e-6) * c.step.n;
   return !(n < -slack) && !(slide > c.mu * (n + slack) + slack) && !(roll > c.rho * (n + slack) + slack) &&
          !(std::fabs(spin) > c.sigma * (n + slack) + slack);
 }

@@ -203,9 +203,9 @@ GONOGO_HD inline Vec3 motor_axis(const Motor& m, View<const Quat> orientation) {
   return m.b == kWorld ? m.axis_B : rotate(orientation[m.b], m.axis_B);
 }
 
-/// Speed of a relative to b about the motor's axis [rad/s].
+/// Speed of a relative to b about the motor's axis [rad/s]. The motors that fill a place of a batch up have no axis: 0.
 GONOGO_HD inline Real motor_speed(const Motor& m, const Vec3& axis_W, View<const Velocity> velocity) {
-  GONOGO_ASSERT(is_unit(axis_W) && m.a != m.b);
+  GONOGO_ASSERT((is_unit(axis_W) || m.max_torque == 0) && m.a != m.b);
   Vec3 w = velocity[m.a].angular;
   if (m.b != kWorld) w -= velocity[m.b].angular;
   return dot(w, axis_W);
@@ -213,7 +213,7 @@ GONOGO_HD inline Real motor_speed(const Motor& m, const Vec3& axis_W, View<const
 
 /// Next impulse on a about the axis [N m s]; `impulse`, `speed`: extrapolated.
 GONOGO_HD inline Real updated_motor(const Motor& m, const MotorDrive& drive, Real impulse, Real speed, Real step) {
-  GONOGO_ASSERT(step > 0 && m.max_torque >= 0 && drive.step > 0);
+  GONOGO_ASSERT(step > 0 && m.max_torque >= 0 && (drive.step > 0 || m.max_torque == 0));
   if (m.kind == MotorKind::torque) return m.target * step;
   const Real limit = m.max_torque * step;
   return std::fmin(limit, std::fmax(-limit, impulse - drive.step * (speed - m.target)));

@@ -119,9 +119,11 @@ TEST_CASE("vehicle new writes a file that the other commands take, and keeps fil
   CHECK(written.at("trials").integer() == 40);
   CHECK(written.at("seconds").number() > 0);
   CHECK(run_gonogo({"design", study}).exit_code == 0);
+#ifdef GONOGO_WITH_GDAL
   check_refusal(run_gonogo({"map", "--vehicle", "m113", "--dem", "any.tif", "--out", folder / "map"}), 2,
                 {"the vehicle m113 has no model yet", "models ship for: ", "gonogo vehicle study", "600 trials"});
   check_refusal(run_gonogo({"map", "--dem", "any.tif", "--out", folder / "map"}), 2, {"--model is missing", "hmmwv"});
+#endif
 }
 
 TEST_CASE("vehicle new refuses sheets that make no vehicle, and writes nothing") {
