@@ -10,6 +10,7 @@
 #include "base/files/shipped.h"
 #include "base/format.h"
 #include "base/json/json.h"
+#include "base/shell.h"
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/setup/vehicle_study.h"
@@ -278,12 +279,13 @@ constexpr std::size_t kOwnTrials = 600;  // that a vehicle's own model takes at 
 /// How to make a vehicle's own model, and what that costs here.
 std::string own_model_text(const std::filesystem::path& file, const std::string& name, double gravity) {
   const campaign::VehicleStudy study = campaign::study_of_vehicle(file, kOwnTrials, gravity);
-  const std::string own = name + "_study.json", folder = "out/" + name;
+  const std::string own = shell_word(name + "_study.json"), folder = shell_word("out/" + name),
+                    model = shell_word("out/" + name + "/model.h5");
   const std::string there = is_same_gravity(gravity, kGravity) ? "" : line(" --gravity %.4g", gravity);
-  return "To make its own: gonogo vehicle study " + file.string() + there + " --out " + own + "; gonogo campaign run " +
-         own + " --out " + folder + "; gonogo train --dataset " + folder + "/dataset.h5 --study " + own + " --out " +
-         folder + "/model.h5; then give --model " + folder +
-         "/model.h5. Cost: " + campaign::cost_text(study, kOwnTrials);
+  return "To make its own: gonogo vehicle study " + shell_word(file.string()) + there + " --out " + own +
+         "; gonogo campaign run " + own + " --out " + folder + "; gonogo train --dataset " +
+         shell_word("out/" + name + "/dataset.h5") + " --study " + own + " --out " + model + "; then give --model " +
+         model + ". Cost: " + campaign::cost_text(study, kOwnTrials);
 }
 
 /// The model that was asked for, or the one that ships for the vehicle or for its family.

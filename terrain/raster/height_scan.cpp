@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/progress.h"
+#include "terrain/raster/raster_open.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -20,6 +21,11 @@ struct HeightScan {
   int flat_areas = 0;
   std::uint64_t flat_cells = 0;
 };
+
+/// The command that declares a value to be none.
+std::string declaring(const std::string& value, GDALDataset& dataset, const std::string& name) {
+  return command_on("gdal_translate -a_nodata " + value, dataset, name, "declared.tif");
+}
 
 constexpr int kShortest = 4;             // run [cells]
 constexpr std::uint64_t kCells = 400;    // of an area
@@ -307,8 +313,8 @@ class Voids {
     above_ = row;
   }
 
-  std::vector<FoundVoid> found(const std::string& name) const {
-    if (impossible_.are_too_many()) refuse(name);
+  std::vector<FoundVoid> found(GDALDataset& dataset, const std::string& name) const {
+    if (impossible_.are_too_many()) refuse(dataset, name);
     std::vector<FoundVoid> voids = impossible_.list();
     for (const Suspect& s : suspect_)
       if (s.borders >= 2 && 2 * s.cliffs >= s.borders) voids.push_back({s.stored, s.cells});
@@ -330,13 +336,13 @@ class Voids {
         suspect->cliffs += cliff;
       }
   }
-  [[noreturn]] void refuse(const std::string& name) const {
+  [[noreturn]] void refuse(GDALDataset& dataset, const std::string& name) const {
     throw InputError(
-        line("%s: heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": "
-             "\"ft\" of the elevation in the region or --height-unit ft, and declare what is no height with: "
-             "gdal_translate -a_nodata <value> %s declared.tif",
-             name.c_str(), impossible_.lowest(), impossible_.highest(), scale_.on_earth ? "the Earth" : "a solid body",
-             name.c_str()));
+        name +
+        line(": heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": \"ft\" of "
+             "the elevation in the region or --height-unit ft, and declare what is no height with: ",
+             impossible_.lowest(), impossible_.highest(), scale_.on_earth ? "the Earth" : "a solid body") +
+        declaring("<value>", dataset, name));
   }
 
   HeightScale scale_;
@@ -386,7 +392,7 @@ HeightScan scan_heights(GDALDataset& dataset, const std::string& name, const Hei
     flats.take(row);
   }
   HeightScan scan;
-  scan.voids = voids.found(name);
+  scan.voids = voids.found(dataset, name);
   flats.finish(rows, scan);
   return scan;
 }
@@ -412,9 +418,10 @@ HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const H
   HeightDoubt doubt;
   for (const FoundVoid& found : scan.voids)
     remarks.push_back(
-        line("%llu cells of the elevation hold %g, which is no height there; they count as without "
-             "elevation. Declare it with: gdal_translate -a_nodata %.9g %s declared.tif",
-             static_cast<unsigned long long>(found.cells), found.value, found.value, name.c_str()));
+        line("%llu cells of the elevation hold %g, which is no height there; they count as without elevation. Declare "
+             "it with: ",
+             static_cast<unsigned long long>(found.cells), found.value) +
+        declaring(line("%.9g", found.value), dataset, name));
   doubt.voids = std::move(scan.voids);
   if (scan.flat_cells == 0 || wish.flat_is_ground) return doubt;
   remarks.push_back(line(
@@ -451,16 +458,14 @@ std::vector<FoundVoid> doubt_values(GDALDataset& dataset, const std::string& nam
         line("%s: holds values such as %.5g and %.5g, and ", name.c_str(), impossible.lowest(), impossible.highest()) +
         (std::isfinite(range.high) ? line("a %s lies between %g and %g", range.what.c_str(), range.low, range.high)
                                    : line("no %s is that low", range.what.c_str())) +
-        "; check its unit and scale, and declare what is no value with: gdal_translate -a_nodata <value> " + name +
-        " declared.tif");
+        "; check its unit and scale, and declare what is no value with: " + declaring("<value>", dataset, name));
   std::vector<FoundVoid> voids = impossible.list();
   lonely.add_to(voids);
   for (const FoundVoid& found : voids)
-    remarks.push_back(
-        line("%llu cells of %s hold %g, which is no %s; they count as without data. Declare it with: "
-             "gdal_translate -a_nodata %.9g %s declared.tif",
-             static_cast<unsigned long long>(found.cells), name.c_str(), found.value, range.what.c_str(), found.value,
-             name.c_str()));
+    remarks.push_back(line("%llu cells of ", static_cast<unsigned long long>(found.cells)) + name +
+                      line(" hold %g, which is no %s; they count as without data. Declare it with: ", found.value,
+                           range.what.c_str()) +
+                      declaring(line("%.9g", found.value), dataset, name));
   return voids;
 }
 

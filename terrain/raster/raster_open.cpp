@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/shell.h"
 #include "base/units.h"
 #include "terrain/raster/open_file.h"
 
@@ -62,6 +63,7 @@ class Mirrored : public GDALDataset {
     nRasterXSize = source.GetRasterXSize();
     nRasterYSize = source.GetRasterYSize();
     eAccess = GA_ReadOnly;
+    SetDescription(source.GetDescription());
     const bool rows = t.value[5] > 0, columns = t.value[1] < 0;
     for (int b = 1; b <= source.GetRasterCount(); ++b) {
       GDALRasterBand& band = *source.GetRasterBand(b);
@@ -163,6 +165,15 @@ OpenRaster open_raster(const RasterFiles& files) {
   return raster;
 }
 
+std::string command_on(const std::string& program, GDALDataset& dataset, const std::string& name,
+                       const std::string& rest) {
+  static const std::string tiles = RasterFiles(std::vector<fs::path>(2)).name();
+  const std::string inside = dataset.GetDescription();
+  std::string file = shell_word(inside.rfind("/vsizip/", 0) == 0 ? inside : name);
+  if (name.ends_with(tiles)) file = "<tile>";
+  return program + " " + file + " " + rest;
+}
+
 const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& name) {
   const GdalCall call;
   const OGRSpatialReference* crs = dataset.GetSpatialRef();
@@ -170,10 +181,9 @@ const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& 
     throw InputError(name + ": its coordinate system cannot be read (" + call.message() +
                      "); the file is damaged, fetch it again");
   if (!crs || crs->IsEmpty())
-    throw InputError(name +
-                     ": names no coordinate system; find out which one it is in, and write it in with: gdal_translate "
-                     "-a_srs EPSG:<code> " +
-                     name + " with_system.tif. A grid that nobody related to the globe takes -a_srs " +
+    throw InputError(name + ": names no coordinate system; find out which one it is in, and write it in with: " +
+                     command_on("gdal_translate -a_srs EPSG:<code>", dataset, name, "with_system.tif") +
+                     ". A grid that nobody related to the globe takes -a_srs " +
                      "'LOCAL_CS[\"site\",UNIT[\"metre\",1]]'");
   return *crs;
 }
@@ -185,10 +195,8 @@ GeoTransform require_north_up(GDALDataset& dataset, const std::string& name) {
                      ": does not say where its cells lie (no geotransform); georeference it first, for "
                      "example with gdal_translate -a_ullr");
   if (!is_straight(t) || !(t.value[1] > 0) || !(t.value[5] < 0))
-    throw InputError(name +
-                     ": its rows do not run west to east (rotated geotransform); straighten it with: gdalwarp -r "
-                     "bilinear " +
-                     name + " north_up.tif");
+    throw InputError(name + ": its rows do not run west to east (rotated geotransform); straighten it with: " +
+                     command_on("gdalwarp -r bilinear", dataset, name, "north_up.tif"));
   return t;
 }
 
@@ -201,9 +209,9 @@ double vertical_metres(GDALRasterBand& band, const std::string& name) {
     if (unit == known) return 0.3048;
   for (const char* known : {"us survey foot", "us_survey_foot", "us-ft", "ftus", "us survey feet"})
     if (unit == known) return 1200.0 / 3937.0;
-  throw InputError(name + ": heights are in \"" + unit +
-                   "\"; metres and feet are understood; convert it with: gdal_calc.py -A " + name +
-                   " --calc=\"A*<metres>\" --outfile=metres.tif");
+  throw InputError(
+      name + ": heights are in \"" + unit + "\"; metres and feet are understood; convert it with: " +
+      command_on("gdal_calc.py -A", *band.GetDataset(), name, "--calc=\"A*<metres>\" --outfile=metres.tif"));
 }
 
 MapGrid describe_grid(int columns, int rows, const OGRSpatialReference& crs, const GeoTransform& t) {
@@ -254,13 +262,28 @@ bool differ(double a, double b) { return std::abs(a / b - 1) > 1e-3; }
 void refuse_scale(GDALDataset& dataset, const std::string& name) {
   const double scale = dataset.GetRasterBand(1)->GetScale(), offset = dataset.GetRasterBand(1)->GetOffset();
   if (scale != 0 && std::isfinite(scale) && std::isfinite(offset)) return;
-  throw InputError(
-      line("%s: names a scale of %g and an offset of %g for its values, and a scale other than 0 is needed; "
-           "set them with: gdal_translate -a_scale <scale> -a_offset <offset> %s scaled.tif",
-           name.c_str(), scale, offset, name.c_str()));
+  throw InputError(name +
+                   line(": names a scale of %g and an offset of %g for its values, and a scale other than 0 is needed; "
+                        "set them with: ",
+                        scale, offset) +
+                   command_on("gdal_translate -a_scale <scale> -a_offset <offset>", dataset, name, "scaled.tif"));
 }
 
 }  // namespace
+
+void require_metres(GDALDataset& dataset, const OGRSpatialReference& crs, const GeoTransform& t,
+                    const std::string& name) {
+  constexpr double kFinest = 0.05;  // side of a cell [units]: 5 km in degrees
+  if (!crs.IsProjected() || std::max(t.value[1], -t.value[5]) > kFinest) return;
+  const double east = t.value[0] + dataset.GetRasterXSize() * t.value[1];
+  const double south = t.value[3] + dataset.GetRasterYSize() * t.value[5];
+  if (t.value[0] < -180 || east > 360 || t.value[3] > 90 || south < -90) return;
+  throw InputError(name +
+                   line(": its cells of %g are said to be in %s, but lie from %g to %g and %g to %g, as "
+                        "longitudes and latitudes do; if they are, say so with: ",
+                        t.value[1], crs.GetName() ? crs.GetName() : "metres", t.value[0], east, south, t.value[3]) +
+                   command_on("gdal_translate -a_srs EPSG:4326", dataset, name, "in_degrees.tif"));
+}
 
 void require_one_value(GDALDataset& dataset, const std::string& name) {
   refuse_complex(dataset, name);
@@ -276,13 +299,30 @@ void require_heights(GDALDataset& dataset, const std::string& name) {
   refuse_scale(dataset, name);
   if (dataset.GetRasterCount() > 2)
     throw InputError(
-        line("%s: has %d bands, and an elevation raster has one; a picture in colour tells no heights. If one "
-             "band holds them, take it out with: gdal_translate -b 1 ",
-             name.c_str(), dataset.GetRasterCount()) +
-        name + " heights.tif");
+        name +
+        line(": has %d bands, and an elevation raster has one; a picture in colour tells no heights. If one "
+             "band holds them, take it out with: ",
+             dataset.GetRasterCount()) +
+        command_on("gdal_translate -b 1", dataset, name, "heights.tif"));
   if (dataset.GetRasterBand(1)->GetColorTable())
     throw InputError(name +
                      ": has a colour table, so it holds classes or a picture, not heights; give an elevation raster");
+  if (dataset.GetRasterCount() == 2 && dataset.GetRasterBand(2)->GetColorInterpretation() == GCI_AlphaBand &&
+      !(dataset.GetRasterBand(1)->GetMaskFlags() & GMF_ALPHA))
+    throw InputError(
+        name +
+        ": marks its voids by a second band that is transparent there, which counts for whole numbers of 8 "
+        "and 16 bits alone; write them as nodata with: " +
+        command_on("gdalwarp -srcalpha -dstnodata -9999", dataset, name, "declared.tif"));
+}
+
+std::string remark_on_bands(GDALDataset& dataset, const std::string& name) {
+  if (dataset.GetRasterCount() < 2 || dataset.GetRasterBand(2)->GetColorInterpretation() == GCI_AlphaBand) return "";
+  const std::string first = dataset.GetRasterBand(1)->GetDescription(),
+                    second = dataset.GetRasterBand(2)->GetDescription();
+  return name + ": has two bands; the first" + (first.empty() ? "" : ", \"" + first + "\",") + " is taken for heights" +
+         (second.empty() ? "" : ", \"" + second + "\" is not read") + ". If they are in the other, take it out with: " +
+         command_on("gdal_translate -b 2", dataset, name, "heights.tif");
 }
 
 double height_unit(GDALDataset& dataset, const OGRSpatialReference& crs, const std::string& name,

@@ -40,14 +40,26 @@ struct OpenRaster {
 /// Opens one file, or a mosaic of tiles; where tiles overlap the later one counts. Rows that run northward and columns
 /// that run westward are mirrored.
 OpenRaster open_raster(const RasterFiles& files);
+
+/// A command that messages advise: `program`, the file as a shell takes it, `rest`. `name`: of the raster, see
+/// OpenRaster. Inside of a .zip GDAL's name of the file counts; of several tiles the command names none.
+std::string command_on(const std::string& program, GDALDataset& dataset, const std::string& name,
+                       const std::string& rest);
 const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& name);
 GeoTransform require_north_up(GDALDataset& dataset, const std::string& name);
 /// Factor from the band's stated unit of height to metres.
 double vertical_metres(GDALRasterBand& band, const std::string& name);
 MapGrid describe_grid(int columns, int rows, const OGRSpatialReference& crs, const GeoTransform& t);
 
-/// Throws InputError for complex values, for a colour table, and for three or more bands, which are a picture.
+/// Throws InputError for a projected system whose cells are as small, and lie, as those in degrees do.
+void require_metres(GDALDataset& dataset, const OGRSpatialReference& crs, const GeoTransform& t,
+                    const std::string& name);
+
+/// Throws InputError for complex values, for a colour table, for three or more bands, which are a picture, and for a
+/// band of transparency that GDAL's mask does not count.
 void require_heights(GDALDataset& dataset, const std::string& name);
+/// Which of two bands is read; empty for one band.
+std::string remark_on_bands(GDALDataset& dataset, const std::string& name);
 /// Throws InputError for complex values and for bands of red, green and blue.
 void require_one_value(GDALDataset& dataset, const std::string& name);
 

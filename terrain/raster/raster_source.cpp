@@ -152,9 +152,12 @@ RasterSource RasterSource::open(const RasterFiles& files, const GridWish& wish, 
   if (heights) require_heights(dataset, state->raster.name);
   const OGRSpatialReference crs = require_crs(dataset, state->raster.name);
   const GeoTransform t = require_north_up(dataset, state->raster.name);
+  require_metres(dataset, crs, t, state->raster.name);
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   const double metres = heights ? height_unit(dataset, crs, state->raster.name, heights->unit, state->remarks)
                                 : vertical_metres(band, state->raster.name);
+  if (const std::string bands = heights ? remark_on_bands(dataset, state->raster.name) : ""; !bands.empty())
+    state->remarks.push_back(bands);
   state->scale = band.GetScale() * metres;
   state->offset = band.GetOffset() * metres;
   const auto grid = grid_for(state->raster, crs, t, wish);
@@ -215,6 +218,7 @@ RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid&
   require_one_value(dataset, original.name);
   const OGRSpatialReference& crs = require_crs(dataset, original.name);
   const GeoTransform t = require_north_up(dataset, original.name);
+  require_metres(dataset, crs, t, original.name);
   const OGRSpatialReference target = system_of(grid);
   const double cell = std::sqrt(grid.cell_width * grid.cell_height);
   const auto own_cell = middle_cell_size(dataset, t, crs);

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "base/files/file.h"
+#include "base/shell.h"
 #include "tests/fault/program.h"
 #include "tests/fault/shell.h"
 #include "tests/fault/study_folder.h"
@@ -50,12 +51,12 @@ class Ground {
 
   /// Runs a program of GDAL from one file of this folder to another.
   void gdal(const std::string& command, const std::string& from, const std::string& to) const {
-    follow(command + " " + path(from).string() + " " + path(to).string());
+    follow(command + " " + shell_word(path(from).string()) + " " + shell_word(path(to).string()));
   }
 
   /// Runs a command of a sentence in this folder, for the file that it makes.
   void follow(const std::string& command) const {
-    const ShellEnding ending = shell("cd '" + path("").string() + "' && " + command);
+    const ShellEnding ending = shell("cd " + shell_word(path("").string()) + " && " + command);
     INFO(command << ": " << ending.output);
     REQUIRE(ending.status == 0);
   }
@@ -128,14 +129,16 @@ TEST_CASE("commands for an elevation model that is not as it should be make one 
                 "gdal_translate -a_scale",
                 "scaled.tif",
                 {{"<scale>", "1"}, {"<offset>", "0"}}}};
-  for (const auto& c : cases) {
-    fs::remove(ground.path("bad.tif"));
-    ground.gdal(c.make, "ok.tif", "bad.tif");
-    std::string command = advice(ground.refused("bad.tif"), c.begin);
-    for (const auto& [placeholder, value] : c.fill) command = filled(command, placeholder, value);
-    ground.follow(command);
-    ground.made(c.makes);
-  }
+  for (const std::string bad : {"bad.tif", "it's bad (1) & $more.tif"})
+    for (const auto& c : cases) {
+      fs::remove(ground.path(bad));
+      fs::remove(ground.path(c.makes));
+      ground.gdal(c.make, "ok.tif", bad);
+      std::string command = advice(ground.refused(bad), c.begin);
+      for (const auto& [placeholder, value] : c.fill) command = filled(command, placeholder, value);
+      ground.follow(command);
+      ground.made(c.makes);
+    }
 }
 
 TEST_CASE("a raster that lies askew is straightened by the command that its refusal names") {
@@ -156,6 +159,22 @@ TEST_CASE("an undeclared void is declared by the command that the remark names, 
   CHECK(contains(said, "3 cells of the elevation hold -9999"));
   ground.follow(advice(said, "gdal_translate -a_nodata"));
   CHECK_FALSE(contains(ground.made("declared.tif"), "-9999"));
+}
+
+TEST_CASE("advice about a raster in a .zip, and in a folder with a long name, can be followed as it stands") {
+  const Ground ground;
+  ground.change("-9999", "void", 3);
+  const std::string folder = std::string(120, 'a') + " " + std::string(120, 'b');
+  fs::create_directories(ground.path(folder));
+  for (const char* name : {"void.asc", "void.prj"}) fs::copy_file(ground.path(name), ground.path(folder) / name);
+  ground.follow("python3 -m zipfile -c 'in a zip.zip' void.asc void.prj");
+  for (const std::string& file : {folder + "/void.asc", std::string("in a zip.zip")}) {
+    fs::remove(ground.path("declared.tif"));
+    const std::string said = ground.made(file);
+    CHECK(contains(said, "3 cells of the elevation hold -9999"));
+    ground.follow(advice(said, "gdal_translate -a_nodata"));
+    CHECK_FALSE(contains(ground.made("declared.tif"), "-9999"));
+  }
 }
 
 TEST_CASE("heights in feet are taken by the option, and by the key of the region, that the refusal names") {
@@ -228,6 +247,21 @@ TEST_CASE("the way to a model of one's own vehicle is made of commands that pars
   const Ending design = run_gonogo({"design", ground.path("m113_study.json")});
   INFO(design.err);
   CHECK(design.exit_code == 0);
+}
+
+TEST_CASE("commands for a vehicle whose file and name hold blanks are words that a shell takes apart") {
+  const Ground ground;
+  Json vehicle = Json::read(fs::path(GONOGO_SOURCE_DIR) / "configs/vehicles/m113.json");
+  vehicle["vehicle"] = "Bob's tank";
+  write_file_atomically(ground.path("my tank.json"), vehicle.dump());
+  const Ending ending = run_gonogo({"map", "--vehicle", ground.path("my tank.json"), "--dem", ground.path("ok.tif"),
+                                    "--soil", "sand", "--out", ground.path("none")});
+  REQUIRE(ending.exit_code == 2);
+  INFO(ending.err);
+  const std::string study = advice(ending.err, "gonogo vehicle study", ";").substr(7);
+  ground.follow(gonogo_program().string() + " " + study);
+  CHECK(fs::exists(ground.path("Bob's tank_study.json")));
+  CHECK(contains(ending.err, R"(--model 'out/Bob'\''s tank/model.h5')"));
 }
 
 TEST_CASE("a route does what the refusal of one without a question offers") {

@@ -247,6 +247,45 @@ TEST_CASE(
   CHECK(first({.unit = "ft"}) == Approx(0.3048 * stored));
 }
 
+TEST_CASE("degrees that are said to be metres are refused with the command that says what they are") {
+  const TemporaryFolder folder;
+  make_raster(folder / "dem.tif", {.transform = {-122.5, 1e-4, 0, 39.5, 0, -1e-4}});
+  CHECK(contains(input_error([&] { open(folder / "dem.tif"); }), "gdal_translate -a_srs EPSG:4326"));
+  make_raster(folder / "map.tif", {});
+  CHECK(contains(input_error([&] {
+                   RasterSource::open_on_grid(folder / "dem.tif", open(folder / "map.tif").grid(), RasterKind::classes);
+                 }),
+                 "as longitudes and latitudes do"));
+  make_raster(folder / "dem.tif",
+              {.transform = {0, 0.01, 0, 0.06, 0, -0.01}, .crs = R"(LOCAL_CS["bin",UNIT["metre",1]])"});
+  CHECK(open(folder / "dem.tif").grid().cell_width_m() == 0.01);  // a soil bin has no place on the globe
+}
+
+TEST_CASE("of two bands the first is read and said, and a transparency that nobody counts is refused") {
+  const TemporaryFolder folder;
+  const auto with_second = [&](GDALDataType type, GDALColorInterp meaning) {
+    make_raster(folder / "dem.tif", {.nodata = {}, .type = type, .bands = 2});
+    GDALDataset* raster = static_cast<GDALDataset*>(GDALOpen((folder / "dem.tif").c_str(), GA_Update));
+    raster->GetRasterBand(1)->SetDescription("points");
+    raster->GetRasterBand(2)->SetDescription("elevation");
+    raster->GetRasterBand(2)->SetColorInterpretation(meaning);
+    std::vector<float> half(48, 0.f);
+    std::fill_n(half.begin(), 24, 255.f);
+    if (meaning == GCI_AlphaBand)
+      CHECK(raster->GetRasterBand(2)->RasterIO(GF_Write, 0, 0, 8, 6, half.data(), 8, 6, GDT_Float32, 0, 0, nullptr) ==
+            CE_None);
+    GDALClose(raster);
+  };
+  with_second(GDT_Float32, GCI_Undefined);
+  const std::string remark = joined(open(folder / "dem.tif").remarks());
+  CHECK(contains(remark, R"(has two bands; the first, "points", is taken for heights, "elevation" is not read)"));
+  CHECK(contains(remark, "gdal_translate -b 2 "));
+  with_second(GDT_Float32, GCI_AlphaBand);
+  CHECK(contains(input_error([&] { open(folder / "dem.tif"); }), "gdalwarp -srcalpha -dstnodata -9999 "));
+  with_second(GDT_UInt16, GCI_AlphaBand);
+  CHECK(holes_in(all_of(open(folder / "dem.tif"))) == 24);
+}
+
 TEST_CASE("heights that no ground has are refused unless another unit explains them") {
   const TemporaryFolder folder;
   make_raster(folder / "dem.tif", recipe_of(hills(12000)));

@@ -138,6 +138,89 @@ TEST_CASE("curves, collections and surfaces mark the cells of their straight for
                  "((500101 4399899,500199 4399801,500101 4399801,500101 4399899)))") == straight);
 }
 
+TEST_CASE("a polygon with a corner that is no number is refused, and one without a shape is none") {
+  const TemporaryFolder folder;
+  const MapGrid grid = grid_of_test(folder);
+  const auto cells_of = [&](const std::string& corner, const std::string& first = "") {
+    write_file_atomically(
+        folder / "a.geojson",
+        R"({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32610"}},)"
+        R"( "features": [)" +
+            first +
+            R"({"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [[)"
+            "[500101, 4399801], [" +
+            corner + R"(, 4399801], [500199, 4399899], [500101, 4399899], [500101, 4399801]]]}}]})");
+    return marked(cells_under(folder / "a.geojson", grid));
+  };
+  CHECK(cells_of("500199") == 100);
+  for (const char* corner : {"NaN", "Infinity", "1e999"})
+    CHECK(contains(input_error([&] { cells_of(corner); }), "feature 0: has no place in the map's coordinate system"));
+  for (const char* geometry : {"null", R"({"type": "Polygon", "coordinates": []})"})
+    CHECK(cells_of("500199", R"({"type": "Feature", "properties": {}, "geometry": )" + std::string(geometry) + "}, ") ==
+          100);
+}
+
+TEST_CASE("a GeoJSON file of which GDAL drops a shape without a word is refused with the number of them") {
+  const TemporaryFolder folder;
+  const MapGrid grid = grid_of_test(folder);
+  const std::string whole =
+      R"("coordinates": [[[500101, 4399801], [500199, 4399801], [500199, 4399899], [500101, 4399801]]])";
+  const std::string crs = R"("crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32610"}})";
+  const auto feature = [](const std::string& shape) {
+    return R"({"type": "Feature", "properties": {}, "geometry": )" + shape + "}";
+  };
+  const auto read = [&](const std::string& second) {
+    write_file_atomically(folder / "a.geojson", R"({"type": "FeatureCollection", )" + crs + R"(, "features": [)" +
+                                                    feature(R"({"type": "Polygon", )" + whole + "}") + ", " +
+                                                    feature(second) + "]}");
+    return input_error([&] { cells_under(folder / "a.geojson", grid); });
+  };
+  for (const char* none :
+       {"null", R"({"type": "Polygon", "coordinates": []})", R"({"type": "MultiPolygon", "coordinates": [[]]})"}) {
+    INFO(none);
+    CHECK(read(none).empty());
+  }
+  for (const std::string& dropped :
+       {std::string(R"({"type": "Polygon", "coordinates": "x"})"), R"({"type": "Polgon", )" + whole + "}",
+        std::string(R"({"type": "Polygon", "coordinates": [[500301, 4399671], [500329, 4399671], [500301, 4399671]]})"),
+        std::string(R"({"type": "Polygon", "coordinates": [[[500301, 4399671], null, [500301, 4399671]]]})")}) {
+    INFO(dropped);
+    CHECK(contains(read(dropped), "2 features state a shape, and only 1 of them can be read"));
+  }
+}
+
+TEST_CASE("edges that are straight in degrees are curved on the map, as their parallels are") {
+  const TemporaryFolder folder;
+  make_raster(folder / "grid.tif", {.columns = 200, .rows = 200, .transform = {400000, 1000, 0, 4500000, 0, -1000}});
+  const MapGrid grid = RasterSource::open_as_it_lies(folder / "grid.tif").grid();
+  write_file_atomically(
+      folder / "a.geojson",
+      R"({"type": "Polygon", "coordinates": [[[-124, 39], [-122, 39], [-122, 40], [-124, 40], [-124, 39]]]})");
+  const auto cells = cells_under(folder / "a.geojson", grid);
+  OGRSpatialReference utm, degrees;
+  utm.importFromEPSG(32610);
+  degrees.importFromEPSG(4326);
+  for (OGRSpatialReference* crs : {&utm, &degrees}) crs->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> to_degrees(OGRCreateCoordinateTransformation(&utm, &degrees));
+  const auto is_inside = [&](double column, double row) {
+    double x = 400000 + 1000 * column, y = 4500000 - 1000 * row;
+    to_degrees->Transform(1, &x, &y);
+    return x > -124 && x < -122 && y > 39 && y < 40;
+  };
+  int wrong = 0, on_the_edge = 0;
+  for (int row = 0; row < 200; ++row)
+    for (int column = 0; column < 200; ++column) {
+      int corners = 0;
+      for (const int dr : {0, 1})
+        for (const int dc : {0, 1}) corners += is_inside(column + dc, row + dr);
+      const int mark = cells[std::size_t(200 * row + column)];
+      if (corners == 0 || corners == 4) wrong += mark != (corners == 4);
+      on_the_edge += corners > 0 && corners < 4;
+    }
+  CHECK(wrong <= 4);  // an edge may cut a cell between two corners; the chord of the parallel misses it by 470 m
+  CHECK(on_the_edge > 400);
+}
+
 TEST_CASE("a raster whose first row is the southern one reads as the one the other way up") {
   const TemporaryFolder folder;
   std::vector<float> value, upside_down;

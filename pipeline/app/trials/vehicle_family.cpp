@@ -7,6 +7,7 @@
 #include "base/files/file.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
+#include "base/shell.h"
 #include "base/units.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/trials/vehicle_commands.h"
@@ -74,9 +75,10 @@ void write_study(const Globals& globals, const StudyOptions& o) {
                "written to " + out.string() + "\n" + campaign::cost_text(study, std::size_t(o.points)) +
                    line("\ngrains of %.3g mm, %.2g across a tread, about %.0f in a bed\n", 1e3 * study.grain,
                         study.grains_per_tread, study.grains) +
-                   "next\n  gonogo campaign run " + out.string() + " --out " + folder + "\n  gonogo train --dataset " +
-                   folder + "/dataset.h5 --study " + out.string() + " --out " + folder +
-                   "/model.h5\n  gonogo map --model " + folder + "/model.h5 --dem elevation.tif --out out/map\n");
+                   "next\n  gonogo campaign run " + shell_word(out.string()) + " --out " + shell_word(folder) +
+                   "\n  gonogo train --dataset " + shell_word(folder + "/dataset.h5") + " --study " +
+                   shell_word(out.string()) + " --out " + shell_word(folder + "/model.h5") + "\n  gonogo map --model " +
+                   shell_word(folder + "/model.h5") + " --dem elevation.tif --out out/map\n");
 }
 
 template <class Options>

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/format.h"
+#include "base/shell.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/trials/vehicle_commands.h"
 #include "pipeline/inspect/vehicle_report.h"
@@ -147,7 +148,7 @@ vehicle::DataSheet sheet_of(const NewOptions& o) {
   return s;
 }
 
-/// The steps from here to a map, as docs/vehicles.md explains them.
+/// The steps from here to a map, as docs/vehicles.md explains them. `file`: as a shell takes it.
 std::string next_steps(const std::string& file) {
   return "next\n  gonogo vehicle show " + file + "\n  gonogo vehicle feasible " + file +
          " --slope 15 --mu 0.6\n  gonogo simulate --vehicle " + file + " --soil calibration_90mm --folded --slope 5\n";
@@ -172,7 +173,7 @@ void make(const Globals& globals, NewOptions options) {
                      line(": %.3f m high, %.3f m wide: ", sheet.tyre.diameter, sheet.tyre.section_width) +
                      sheet.tyre.rule + "\nassumed, and changed by an option or in the file\n";
   for (const std::string& a : file.assumed) told += "  " + a + "\n";
-  print_result(globals, result, told + "\nwritten to " + out.string() + "\n" + next_steps(out.string()));
+  print_result(globals, result, told + "\nwritten to " + out.string() + "\n" + next_steps(shell_word(out.string())));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "terrain/raster/open_file.h"
+#include "terrain/raster/vector/geojson.h"
 
 namespace gonogo::terrain {
 namespace fs = std::filesystem;
@@ -112,13 +113,38 @@ void add_parts(const OGRGeometry& shape, std::vector<Shape>& parts) {
   }
 }
 
-/// Whether its coordinates are numbers that a map can have: GDAL marks the cells of a line step by step, also far from
-/// the map, and would not come to an end.
-bool is_on_globe(const OGRGeometry& shape) {
-  constexpr double farthest = 1e8;  // [units]; the Earth is 4e7 m around
-  OGREnvelope box;
-  shape.getEnvelope(&box);
-  return box.MinX > -farthest && box.MaxX < farthest && box.MinY > -farthest && box.MaxY < farthest;
+/// Whether all coordinates are numbers of a size that a map can have: GDAL marks the cells of a line step by step, also
+/// far from the map, and would not come to an end. NaN, which GeoJSON may hold, would take corners away.
+class OnGlobe : public OGRDefaultConstGeometryVisitor {
+ public:
+  explicit OnGlobe(double farthest) : farthest_(farthest) {}
+  using OGRDefaultConstGeometryVisitor::visit;
+  void visit(const OGRPoint* point) override {
+    holds = holds && std::abs(point->getX()) < farthest_ && std::abs(point->getY()) < farthest_;
+  }
+  bool holds = true;
+
+ private:
+  double farthest_;  // [units]
+};
+
+bool is_on_globe(const OGRGeometry& shape, const OGRSpatialReference& crs) {
+  OnGlobe all(crs.IsGeographic() ? 1000 : 1e8);  // the Earth is 4e7 m around
+  shape.accept(&all);
+  return all.holds;
+}
+
+/// Brings a shape to the map's system. What is straight in one system is not in another, so that long edges are
+/// divided: an edge of 2 km along a parallel lies within 10 cm of its chord up to 80 degrees of latitude. False where
+/// it has no place there.
+bool carry_over(OGRGeometry& shape, const OGRSpatialReference& from, OGRCoordinateTransformation* turn,
+                const OGRSpatialReference& to) {
+  constexpr double kLongestEdge = 2000;  // [m]
+  constexpr double kDegree = 111320;     // [m]
+  if (!is_on_globe(shape, from)) return false;
+  if (!turn) return true;
+  shape.segmentize(kLongestEdge / (from.IsGeographic() ? kDegree : from.GetLinearUnits()));
+  return shape.transform(turn) == OGRERR_NONE && is_on_globe(shape, to);
 }
 
 class VectorFile {
@@ -142,6 +168,7 @@ class VectorFile {
       found = true;
       if (layer->GetGeomType() != wkbNone) read_layer(*layer, take);
     }
+    if (without_shape_ > 0) require_all_shapes();
     if (!found) throw InputError(file_.string() + ": has no layer \"" + name + "\"; ogrinfo lists its layers");
   }
   std::vector<std::string> remarks;
@@ -164,9 +191,10 @@ class VectorFile {
       require_no_failure(call);
       ++count;
       std::vector<Shape> parts;
-      if (const OGRGeometry* shape = feature->GetGeometryRef()) add_parts(*shape, parts);
+      if (const OGRGeometry* shape = feature->GetGeometryRef(); shape && !shape->IsEmpty()) add_parts(*shape, parts);
+      ++(parts.empty() ? without_shape_ : with_shape_);
       for (const Shape& part : parts)
-        if ((turn && part->transform(turn.get()) != OGRERR_NONE) || !is_on_globe(*part))
+        if (!carry_over(*part, *from, turn.get(), crs_))
           throw InputError(file_.string() + ": feature " + std::to_string(feature->GetFID()) +
                            ": has no place in the map's coordinate system");
       if (!parts.empty()) take(*feature, std::move(parts));
@@ -179,6 +207,21 @@ class VectorFile {
       throw InputError(file_.string() + ": has " + std::to_string(told) + " features, and reading ended after " +
                        std::to_string(count) + "; the file is damaged or incomplete, fetch it again");
   }
+  /// Of GeoJSON, some of whose features came without a shape: whether they state none.
+  void require_all_shapes() const {
+    const std::string format = dataset_->GetDriverName();
+    if (format.rfind("GeoJSON", 0) != 0) return;
+    GByte* bytes = nullptr;
+    vsi_l_offset size = 0;
+    if (!VSIIngestFile(nullptr, dataset_->GetDescription(), &bytes, &size, -1)) return;
+    const std::unique_ptr<GByte, decltype(&VSIFree)> owner(bytes, &VSIFree);
+    const std::uint64_t stated =
+        stated_shapes(std::string(reinterpret_cast<const char*>(bytes), size), format == "GeoJSONSeq", file_.string());
+    if (stated > with_shape_)
+      throw InputError(file_.string() + ": " + std::to_string(stated) + " features state a shape, and only " +
+                       std::to_string(with_shape_) +
+                       " of them can be read; correct type and coordinates of the others");
+  }
   void require_no_failure(const GdalCall& call) const {
     if (call.failed())
       throw InputError(file_.string() + ": reading its features failed (" + call.message() +
@@ -190,7 +233,8 @@ class VectorFile {
   MapGrid grid_;
   DatasetHandle dataset_;
   bool is_shapefile_ = false;
-  GIntBig deleted_ = 0;  // rows of a Shapefile
+  GIntBig deleted_ = 0;                               // rows of a Shapefile
+  std::uint64_t with_shape_ = 0, without_shape_ = 0;  // features so far
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/format.h"
+#include "base/shell.h"
 
 namespace gonogo::campaign {
 namespace fs = std::filesystem;
@@ -19,13 +20,6 @@ constexpr std::uint64_t kMaxTasks = 1000;  // below Slurm's usual MaxArraySize o
 
 fs::path slurm_folder(const fs::path& folder) { return folder / "slurm"; }
 fs::path jobs_file(const fs::path& folder) { return slurm_folder(folder) / "jobs.txt"; }
-
-/// A word as a shell reads it back.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
 
 /// Throws InputError for text that would end a line of job.sh and so become a command of its own.
 void require_one_line(const std::string& text, const std::string& what) {
@@ -90,7 +84,7 @@ std::string script_text(const CampaignRequest& campaign, const SlurmRequest& slu
   text += "#SBATCH --open-mode=append\n";
   for (const std::string& option : slurm.options) text += "#SBATCH " + option + "\n";
   text += "exec";
-  for (const std::string& word : slurm.task_command) text += " " + quoted(word);
+  for (const std::string& word : slurm.task_command) text += " " + shell_word(word);
   return text + " --task \"$SLURM_ARRAY_TASK_ID\" --tasks " + std::to_string(count) + "\n";
 }
 
@@ -114,7 +108,7 @@ Submission submit_campaign(const CampaignRequest& campaign, const SlurmRequest& 
   result.tasks = tasks.size();
   result.script = slurm_folder(campaign.folder) / "job.sh";
   write_file_atomically(result.script, script_text(campaign, slurm, tasks, count));
-  const Answer answer = ask("sbatch --parsable " + quoted(result.script.string()));
+  const Answer answer = ask("sbatch --parsable " + shell_word(result.script.string()));
   if (answer.status != 0)
     throw DeviceError("sbatch refused the job (" + (answer.text.empty() ? "no answer" : answer.text) +
                       "); the script is " + result.script.string());
