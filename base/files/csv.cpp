@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/format.h"
 
 namespace gonogo {
 
@@ -30,6 +31,10 @@ namespace {
 std::string whole_lines(const std::filesystem::path& file, std::string text) {
   if (text.rfind("\xff\xfe", 0) == 0 || text.rfind("\xfe\xff", 0) == 0)
     throw InputError(file.string() + ": is in UTF-16; save it as UTF-8");
+  if (text.rfind("PK\x03\x04", 0) == 0)
+    throw InputError(file.string() + ": is a ZIP archive, as .xlsx and .ods files are; save the table as CSV");
+  if (text.find('\0') != std::string::npos)
+    throw InputError(file.string() + ": holds bytes of value 0, which no text has; save it as UTF-8");
   if (text.rfind("\xef\xbb\xbf", 0) == 0) text.erase(0, 3);
   if (!text.empty() && text.back() != '\n') text += '\n';
   return text;
@@ -205,13 +210,17 @@ void refuse_csv_line(const std::filesystem::path& file, std::size_t number, cons
   throw InputError(file.string() + ": line " + std::to_string(number) + ": " + what);
 }
 
+std::optional<double> cell_number(const std::string& cell) {
+  const std::string text = without_blanks(cell);
+  const bool has_plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  const auto value = parsed<double>(std::string_view(text).substr(has_plus));
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
 double csv_number(const std::filesystem::path& file, std::size_t number, const std::string& cell) {
-  char* end = nullptr;
-  const double value = std::strtod(cell.c_str(), &end);
-  while (*end == ' ' || *end == '\t') ++end;
-  if (end == cell.c_str() || *end != '\0' || !std::isfinite(value))
-    refuse_csv_line(file, number, "\"" + cell + "\" is no number");
-  return value;
+  const auto value = cell_number(cell);
+  if (!value) refuse_csv_line(file, number, "\"" + cell + "\" is no number");
+  return *value;
 }
 
 }  // namespace gonogo

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,8 @@ struct CsvLine {
 /// separator is the most frequent of comma, semicolon and tab in the header, or what a first line "sep=;" says. A byte
 /// order mark of UTF-8, line ends of any system, and one empty cell more than the header has are taken. Between
 /// semicolons numbers may have a decimal comma, as where a comma is the decimal sign, unless any has a point; they come
-/// back with a point. Throws InputError as read_data_lines() does, for UTF-16, and for quotes that do not end or stand
-/// inside a cell.
+/// back with a point. Throws InputError as read_data_lines() does, for UTF-16, ZIP archives (.xlsx) and bytes of value
+/// 0, and for quotes that do not end or stand inside a cell.
 std::vector<CsvLine> read_csv_lines(const std::filesystem::path& file, const std::string& rows);
 
 /// The same for text that is in memory; `name` stands for the file in messages.
@@ -41,7 +42,10 @@ std::string csv_row(const std::vector<std::string>& cells);
 /// Throws InputError "<file>: line <number>: <what>".
 [[noreturn]] void refuse_csv_line(const std::filesystem::path& file, std::size_t number, const std::string& what);
 
-/// A finite number. Throws InputError for any other cell.
+/// The finite decimal number that all of a cell is, "+" before it or not; nothing for any other cell.
+std::optional<double> cell_number(const std::string& cell);
+
+/// The same. Throws InputError for any other cell.
 double csv_number(const std::filesystem::path& file, std::size_t number, const std::string& cell);
 
 }  // namespace gonogo

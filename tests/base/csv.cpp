@@ -77,6 +77,11 @@ TEST_CASE("a table that cannot be read is refused with the line") {
   CHECK(contains(refusal("\xff\xfe"
                          "a"),
                  "UTF-16"));
+  CHECK(contains(refusal("PK\x03\x04 and more"), "as .xlsx and .ods files are"));
+  CHECK(contains(refusal(std::string("a,b\n1,3\x00"
+                                     "2\n",
+                                     10)),
+                 "bytes of value 0"));
   CHECK(contains(refusal("# nothing\n"), "holds no rows"));
 }
 
@@ -90,5 +95,10 @@ TEST_CASE("a cell without a value is told from a number") {
   for (const char* word : {"", "NA", "NaN", "NULL"}) CHECK(is_missing(word));
   CHECK_FALSE(is_missing("0"));
   CHECK(csv_number("t", 1, "-2.5e3") == -2500);
+  CHECK(csv_number("t", 1, " +10. ") == 10);
+  for (const char* word : {"0x10", "inf", "nan", "1e999", "+-1", "++1", "+", "1 2", "50%", "\u22121"}) {
+    INFO(word);
+    CHECK_FALSE(cell_number(word));
+  }
   CHECK(contains(input_error([] { csv_number("t", 3, "2,5"); }), "line 3: \"2,5\" is no number"));
 }

@@ -243,7 +243,7 @@ double largest(SoilProperty p) { return p == SoilProperty::bulk_density ? 2.65 :
 
 double number_in(const std::string& cell, const std::string& where) {
   if (is_missing(cell)) return kUnknown;
-  if (const auto value = parsed<double>(cell)) return *value;
+  if (const auto value = cell_number(cell)) return *value;
   throw InputError(where + ": \"" + cell + "\" is not a number; leave the cell empty where it is not known");
 }
 

@@ -71,16 +71,15 @@ std::vector<Answer::Unknown> reconstruction_of(const Predictor& predictor, const
 double cell_value(const std::filesystem::path& file, std::size_t number, const std::string& cell,
                   const campaign::Variable& variable) {
   if (is_missing(cell)) return NAN;
-  double value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
+  const auto value = cell_number(cell);
+  if (!value)
     refuse_csv_line(file, number,
                     variable.name + ": \"" + cell + "\" is not a number; leave the cell empty if it is unknown");
-  if (!campaign::admits(variable, value))
+  if (!campaign::admits(variable, *value))
     refuse_csv_line(file, number,
                     variable.name + ": " + cell + " lies outside " +
                         line("%g to %g ", variable.minimum, variable.maximum) + variable.unit);
-  return value;
+  return *value;
 }
 
 struct PointTable {
