@@ -23,14 +23,17 @@ done
 command -v clang++ >/dev/null || { say "clang++ is not installed: libFuzzer is left out"; exit "$status"; }
 configure cpu-fuzz
 build cpu-fuzz fuzz_readers
+fuzzer=build/cpu-fuzz/tests/fuzz/fuzz_readers
+known=$("$fuzzer")
+(($# == 0)) && mapfile -t readers <<<"$known"
 for reader in "${readers[@]}"; do
-  [[ $reader =~ ^(raster|shapes|table$) ]] || continue  # formats of our own: mutations alone
+  grep -qx "$reader" <<<"$known" || continue  # readers that take simulations or maps: mutations alone
   corpus=build/cpu-fuzz/corpus/$reader
   mkdir -p "$corpus"
   say "libFuzzer on $reader for $seconds s"
   # GDAL and its libraries keep what they read, so that leaks at the end are theirs.
   GONOGO_READER=$reader GONOGO_SEED_FILE=$corpus/whole ASAN_OPTIONS=detect_leaks=0 \
-    build/cpu-fuzz/tests/fuzz/fuzz_readers "$corpus" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=4096 \
+    "$fuzzer" "$corpus" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=4096 \
     -max_len=65536 -artifact_prefix="$corpus/" -print_final_stats=1 -verbosity=0 -print_funcs=0 || status=1
 done
 exit "$status"

@@ -1,5 +1,6 @@
-// Entry of libFuzzer: the reader that GONOGO_READER names, or the first, reads the bytes as its file. A finding is
-// a crash, a hang, or an exception that is no InputError. GONOGO_SEED_FILE takes the whole file. See scripts/fuzz.sh.
+// Entry of libFuzzer: the reader that GONOGO_READER names reads the bytes as its file. A finding is a crash, a hang, or
+// an exception that is no InputError. GONOGO_SEED_FILE takes the whole file. Without GONOGO_READER the program prints
+// the readers' names. See scripts/fuzz.sh.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -11,15 +12,26 @@
 
 namespace {
 
-const gonogo::fuzz::Reader& chosen_reader() {
+std::vector<gonogo::fuzz::Reader> all_readers() {
+  using namespace gonogo::fuzz;
+  std::vector<Reader> all;
+  for (const auto* some : {&file_readers(), &format_readers(), &unsealed_readers(), &sealed_readers()})
+    all.insert(all.end(), some->begin(), some->end());
+  return all;
+}
+
+gonogo::fuzz::Reader chosen_reader() {
   const char* name = std::getenv("GONOGO_READER");
-  for (const gonogo::fuzz::Reader& reader : gonogo::fuzz::file_readers())
-    if (!name || reader.name == name) return reader;
+  for (const gonogo::fuzz::Reader& reader : all_readers()) {
+    if (!name) std::puts(reader.name.c_str());
+    if (name && reader.name == name) return reader;
+  }
+  if (!name) std::exit(0);
   throw gonogo::InputError(std::string(name) + ": no reader has this name");
 }
 
 struct Target {
-  const gonogo::fuzz::Reader& reader = chosen_reader();
+  const gonogo::fuzz::Reader reader = chosen_reader();
   gonogo::TemporaryFolder folder;
 
   Target() {

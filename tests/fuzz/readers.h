@@ -21,10 +21,31 @@ struct Reader {
 /// Of rasters, shapes and tables.
 const std::vector<Reader>& file_readers();
 
-/// Of files that this project writes and that hold a hash of themselves.
+/// A reader of files that hold a hash of themselves.
+inline Reader sealed(const std::string& name, const std::string& file,
+                     std::function<void(const std::filesystem::path&)> make,
+                     std::function<std::string(const std::filesystem::path&)> read) {
+  return {.name = name,
+          .damaged = file,
+          .opened = file,
+          .make = std::move(make),
+          .read = std::move(read),
+          .is_sealed = true};
+}
+
+/// Of files that people and other programs write in formats of this project, and of annealing problems and answers.
+const std::vector<Reader>& format_readers();
+
+/// Of HDF5 files without the seal that this program adds: nothing tells damage, and HDF5's own reader sees all of it.
+const std::vector<Reader>& unsealed_readers();
+
+/// Of models, campaigns and problems that this project writes.
 const std::vector<Reader>& sealed_readers();
 
-/// All, with those of files that people write in formats of this project.
+/// Of simulations, maps and soil tests.
+const std::vector<Reader>& made_readers();
+
+/// All of these that are also damaged by number: not the unsealed ones.
 const std::vector<Reader>& readers();
 
 }  // namespace gonogo::fuzz
