@@ -4,6 +4,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "base/format.h"
@@ -20,14 +21,19 @@ namespace {
 /// Worlds by number, checked: the engine trusts its indices.
 class Batch {
  public:
-  /// `watched`: says which step was not solved first. Beds of grains take loose steps on purpose.
+  /// `watched`: says which step was not solved first, and which contact the relaxation opened too far first. Beds of
+  /// grains take loose steps on purpose.
   Batch(const std::vector<sim::SceneWorld>& worlds, const sim::StepSettings& settings, int threads, bool gpu,
         bool watched)
-      : group_(watched && !gpu ? 1 : 10), watched_(watched), in_a_row_(worlds.size(), 0) {
+      : group_(watched && !gpu ? 1 : 10),
+        watched_(watched),
+        relaxed_(watched && settings.target == sim::Target::ccp),
+        in_a_row_(worlds.size(), 0) {
     if (worlds.empty()) throw InputError("simulation: at least one world is needed");
     for (const sim::SceneWorld& w : worlds) {
       size_.push_back(
           {Index(w.body.size()), Index(w.motor.size()), Index(w.controller.size()), Index(w.driveline.size())});
+      gravity_.push_back(std::sqrt(dot(w.gravity, w.gravity)));
     }
     simulation_ = sim::make_simulation(gpu ? sim::Backend::cuda : sim::Backend::cpu, worlds, settings, threads);
   }
@@ -64,17 +70,25 @@ class Batch {
   }
   std::size_t size() const { return size_.size(); }
 
-  /// Steps in small groups, between which Ctrl-C is seen. Returns a sentence when the first step of all is met that is
-  /// not solved, otherwise nothing.
-  std::string advance(Index count) {
+  /// Steps in small groups, between which Ctrl-C is seen. Returns sentences on the first step of all that is not solved
+  /// and on the first contact that the relaxation opens too far, when they are met.
+  std::vector<std::string> advance(Index count) {
     if (count < 0) throw InputError("step: " + std::to_string(count) + " steps asked, at least 0 needed");
-    const bool known = !unsolved_.empty();
+    std::vector<std::string> met;
     for (Index done = 0; done < count; done += group_) {
       stop_if_cancelled();
       simulation_->advance(std::min(group_, count - done));
-      if (watched_ && unsolved_.empty()) look_for_unsolved();
+      if (watched_ && unsolved_.empty()) {
+        look_for_unsolved();
+        if (!unsolved_.empty()) met.push_back(unsolved_);
+      }
+      if (relaxed_)
+        if (const std::string lift = found_lift(); !lift.empty()) {
+          relaxed_ = false;  // said once
+          met.push_back(lift);
+        }
     }
-    return known ? "" : unsolved_;
+    return met;
   }
   const std::string& unsolved() const { return unsolved_; }
   double step() const { return simulation_->settings().step; }
@@ -99,10 +113,43 @@ class Batch {
     }
   }
 
+  /// The sentence on a contact that opens so fast that its body rises above the envelope.
+  std::string found_lift() {
+    const double envelope = simulation_->settings().envelope;
+    for (std::size_t w = 0; w < size_.size(); ++w) {
+      const auto world = sim::WorldIndex(w);
+      const std::vector<sim::Contact> contacts = simulation_->contacts(world);
+      if (contacts.empty() || gravity_[w] == 0) continue;
+      const std::vector<sim::Impulse> impulses = simulation_->impulses(world);
+      const std::vector<sim::BodyState> bodies = simulation_->bodies(world);
+      const auto velocity = [&](sim::BodyIndex b) {
+        const sim::BodyState& body = bodies[std::size_t(b)];
+        return sim::Velocity{.linear = body.velocity, .angular = body.angular_velocity};
+      };
+      for (std::size_t k = 0; k < contacts.size(); ++k) {
+        const sim::Contact& c = contacts[k];
+        const sim::Velocity a = velocity(c.body_a), b = velocity(c.body_b);
+        const double opening = dot(c.normal, sim::contact_velocity<Real>(c, a, b));
+        const double lift = opening * opening / (2 * gravity_[w]);
+        if (c.softness > 0 || opening <= 0 || lift <= envelope || dot(impulses[k].linear, c.normal) <= 0) continue;
+        return line(
+            "simulation: at %.4g s bodies %d and %d of world %zu slide on each other at %.3g m/s and part at %.3g m/s, "
+            "as "
+            "the convex relaxation has it, which lifts by up to %.2g m: more than the %.2g m within which contacts are "
+            "found; take target=\"coulomb\", under which they stay together",
+            simulation_->reports()[w].time, int(c.body_a), int(c.body_b), w, double(sim::slip_speed<Real>(c, a, b)),
+            opening, lift, envelope);
+      }
+    }
+    return "";
+  }
+
   std::vector<WorldParts> size_;
+  std::vector<double> gravity_;  // [world] [m/s^2]
   std::unique_ptr<sim::Simulation> simulation_;
   Index group_;
   bool watched_;
+  bool relaxed_;               // contacts are looked at for lifts
   std::vector<int> in_a_row_;  // [world] steps that were not solved, up to now
   std::string unsolved_;
 };
@@ -155,20 +202,18 @@ void bind_simulation(nb::module_& m) {
           "target"_a.none() = nb::none(),
           "Step [s]; max iterations of the solver in a substep; residual at which it stops [m/s]. A grain diameter [m] "
           "sets the tolerances of contacts as beds of such grains need them. target: \"coulomb\", Coulomb's law, or "
-          "\"ccp\", "
-          "the convex relaxation, in which a sliding contact opens by friction x speed x step. "
-          "None: coulomb, and ccp "
-          "for "
-          "a grain diameter, since the tables of soils are measured with it.")
+          "\"ccp\", the convex relaxation, in which a sliding contact opens at friction x speed. None: coulomb, and "
+          "ccp "
+          "for a grain diameter, since the tables of soils are measured with it.")
       .def(
           "step",
           [](Batch& b, Index count) {
-            const std::string sentence = long_call([&] { return b.advance(count); });
-            if (!sentence.empty() && PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), 1) < 0)
-              throw nb::python_error();
+            for (const std::string& sentence : long_call([&] { return b.advance(count); }))
+              if (PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), 1) < 0) throw nb::python_error();
           },
           "count"_a = 1,
-          "Takes steps of all worlds. Warns once, with RuntimeWarning, when the contacts of a step are not solved.")
+          "Takes steps of all worlds. Warns once, with RuntimeWarning, when the contacts of a step are not solved, and "
+          "once when target \"ccp\" lifts a sliding body out of contact.")
       .def_prop_ro(
           "unsolved", [](const Batch& b) { return b.unsolved(); },
           "The sentence on the first step that was not solved; empty while there is none. Not for worlds with a grain "

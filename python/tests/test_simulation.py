@@ -175,23 +175,50 @@ def test_indices_are_checked():
         simulation.step(-1)
 
 
-@pytest.mark.parametrize("speed", [6, 20])
-def test_a_cube_slides_flat_by_coulombs_law(speed):
-    """v^2 / (2 mu g); under the convex relaxation it lifts by mu v step, which takes it out of contact."""
+def sliding_cube(speed, step=1e-3, **settings):
+    """On a plane of friction 0.5."""
     world = gonogo.World((60, 2, 2))
     world.add_floor(0.0, material=1)
     world.set_law(0, 1, friction=0.5)
     cube = world.add_box((1, 1, 0.05), (0.05, 0.05, 0.05), density=1000)
     world.set_velocity(cube, (speed, 0, 0))
-    simulation = gonogo.Simulation([world], step=1e-3, iterations=200, tolerance=1e-6)
+    return gonogo.Simulation([world], step=step, iterations=200, tolerance=1e-6, **settings), cube
+
+
+def highest_lift(simulation, cube, times, steps):
     highest = 0.0
-    for _ in range(5 * speed):
-        simulation.step(50)
+    for _ in range(times):
+        simulation.step(steps)
         highest = max(highest, simulation.bodies().position[cube, 2] - 0.05)
+    return highest
+
+
+@pytest.mark.parametrize("speed", [6, 20])
+def test_a_cube_slides_flat_by_coulombs_law(speed):
+    """v^2 / (2 mu g)."""
+    simulation, cube = sliding_cube(speed)
+    highest = highest_lift(simulation, cube, 5 * speed, 50)
     assert simulation.bodies().position[cube, 0] - 1 == pytest.approx(speed**2 / (2 * 0.5 * 9.81), rel=5e-3)
     assert highest < 1e-4
     with pytest.raises(gonogo.InputError, match="coulomb"):
-        gonogo.Simulation([world], target="colomb")
+        sliding_cube(speed, target="colomb")
+
+
+@pytest.mark.parametrize("step", [1e-3, 1e-4, 2e-5])
+def test_the_relaxation_lifts_a_cube_by_its_speed_whatever_the_step_and_says_so(step):
+    """Set on the plane at v, it gets n with v_n = n = mu v_t and v_t = v - mu n: it leaves at mu v / (1 + mu^2). The gap of the first
+    step is between 2.4 mm and 0.05 mm, beyond and far within the envelope of 2 mm: no bound on the gap cures it."""
+    simulation, cube = sliding_cube(6, target="ccp", step=step)
+    with pytest.warns(RuntimeWarning, match="which lifts by up to 0.29 m.*take target=.coulomb.") as told:
+        highest = highest_lift(simulation, cube, 30, round(0.01 / step))
+    assert len(told) == 1
+    assert highest == pytest.approx((0.5 * 6 / 1.25)**2 / (2 * 9.81), rel=1e-2)
+
+
+@pytest.mark.filterwarnings("error")
+def test_the_relaxation_is_silent_where_the_lift_stays_within_the_envelope():
+    simulation, cube = sliding_cube(0.4, target="ccp")
+    assert 1e-4 < highest_lift(simulation, cube, 20, 10) < 2e-3
 
 
 def stack(ratio, **settings):
