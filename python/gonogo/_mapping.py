@@ -92,6 +92,8 @@ def _of_rasterio(dem: Any) -> _Ground:
 def _require_even(places: NDArray[Any], axis: Any) -> None:
     """Of an axis of cells: its steps are alike within 1 % of a cell."""
     steps = np.diff(np.asarray(places, dtype=np.float64))
+    if not np.isfinite(steps).all():
+        raise _core.InputError(f"dem: its coordinates {axis} are not all numbers; drop or fill those that are not")
     if steps.size and np.abs(steps - steps.mean()).max() > 0.01 * abs(steps.mean()):
         raise _core.InputError(f"dem: its coordinates {axis} have steps from {np.abs(steps).min():g} to {np.abs(steps).max():g}; "
                                "a map needs equal ones: bring it to a regular grid with interp or rio.reproject")
@@ -127,8 +129,11 @@ def _of_xarray(dem: Any) -> _Ground:
             _require_even(flat[axis].values, axis)
     about = dem.attrs
     unit = str(about.get("units", ""))
-    return _Ground(flat.values, flat.rio.crs, flat.rio.transform(recalc=True) if _is_placed(flat) else None, flat.rio.nodata,
-                   float(about.get("scale_factor", 1)), float(about.get("add_offset", 0)),
+    try:
+        nodata, scale, offset = flat.rio.nodata, float(about.get("scale_factor", 1)), float(about.get("add_offset", 0))
+    except ValueError as error:
+        raise _core.InputError(f"dem: its attributes: {error}; _FillValue, scale_factor and add_offset are numbers") from None
+    return _Ground(flat.values, flat.rio.crs, flat.rio.transform(recalc=True) if _is_placed(flat) else None, nodata, scale, offset,
                    "m" if unit.lower().startswith(("metre", "meter", "m ")) else unit)
 
 
@@ -149,7 +154,13 @@ def _heights(ground: _Ground) -> tuple[NDArray[np.float32], tuple[float, ...]]:
     numbers = tuple(ground.transform)
     if len(numbers) < 6:
         raise _core.InputError(f"dem: transform {numbers}: has {len(numbers)} numbers; six are needed, as rasterio gives them")
-    a, b, c, d, e, f = (float(x) for x in numbers[:6])
+    try:
+        a, b, c, d, e, f = (float(x) for x in numbers[:6])
+    except ValueError:
+        raise _core.InputError(f"dem: transform {ground.transform!r}: six numbers are needed, as rasterio gives them") from None
+    if (a, b, c, d, e, f) == (1, 0, 0, 0, 1, 0):
+        raise _core.InputError("dem: its transform is the identity, which rasterio gives for a raster without a place on the ground; "
+                               "give the transform of its cells")
     if b != 0 or d != 0 or a == 0 or e == 0:
         raise _core.InputError(f"dem: transform {(a, b, c, d, e, f)}: its rows do not run west to east; straighten it "
                                "with rasterio.warp.reproject")
@@ -178,7 +189,8 @@ def _elevation_file(dem: Any, crs: Any, transform: Any, folder: Path) -> str:
         raise _core.InputError("dem: an array needs crs= and transform=, as rasterio gives them")
     values, north_up = _heights(ground)
     path = folder / "elevation.tif"
-    system = ground.crs.to_wkt() if hasattr(ground.crs, "to_wkt") else str(ground.crs)
+    code = isinstance(ground.crs, (int, np.integer))
+    system = ground.crs.to_wkt() if hasattr(ground.crs, "to_wkt") else f"EPSG:{ground.crs}" if code else str(ground.crs)
     with_gdal().write_raster(str(path), values, north_up, system, ground.unit)
     return str(path.absolute())
 
@@ -259,9 +271,9 @@ def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None,
         crossing_model: PathLike = "", threads: int = 0) -> Map:
     """The Go/NoGo map of a region, as `gonogo map` makes it.
 
-    dem: elevation [m]: a path, a rasterio dataset, an xarray array with rio, or a numpy array [row, column] with crs and
-    transform. soil: USDA texture, class of the USCS, name of a shipped soil, soil file or raster of textures, at a moisture
-    ("dry", "moist", "wet") or any; or numbers of a test, as --soil takes them ("bevameter:...", "cone:index=414,soil=CL");
+    dem: elevation [m]: a path, a rasterio dataset, an xarray array with rio, or a numpy array [row, column] with crs (a number
+    is an EPSG code) and transform. soil: USDA texture, class of the USCS, name of a shipped soil, soil file or raster of
+    textures, at a moisture ("dry", "moist", "wet") or any; or numbers of a test, as --soil takes them ("bevameter:...", "cone:index=414,soil=CL");
     or variable -> number, (low, high), or an entry of a region file such as {"fixed": 31,
     "test": "direct_shear", "stage": "peak"}; without it the soil may be anything. cone_index: of fine-grained soil [psi],
     "414kPa", or a raster [psi].

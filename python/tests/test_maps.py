@@ -157,6 +157,11 @@ def test_an_array_that_is_no_ground_is_refused_and_names_of_axes_are_found(hill,
     for words, dem, way in (
             ("complex64", hill.astype("complex64"), place), ("whole or real numbers", hill > 100, place),
             ("0 x 40 cells", hill[:0], place), ("six are needed", hill, dict(crs="EPSG:32610", transform=(1, 2, 3))),
+            ("rasterio gives for a raster without a place", hill, dict(crs="EPSG:32610", transform=rasterio.Affine.identity())),
+            ("six numbers are needed", hill, dict(crs="EPSG:32610", transform="10 0 500000")),
+            ("longitudes and latitudes", hill, dict(crs="EPSG:32610", transform=(1e-4, 0, -122.5, 0, -1e-4, 39.5))),
+            ("are not all numbers", array.assign_coords(x=np.where(np.arange(COLUMNS) == 3, np.nan, x)), {}),
+            ("scale_factor and add_offset are numbers", array.assign_attrs(scale_factor="a"), {}),
             ("equal ones", uneven, {}), ("needs crs= and transform=", array.drop_vars(["x", "y"]), {}),
             ("a Dataset of xarray", array.to_dataset(name="z"), {}),
             ("choose one of each", xarray.concat([array, array], "time"), {})):
@@ -165,7 +170,8 @@ def test_an_array_that_is_no_ground_is_refused_and_names_of_axes_are_found(hill,
     wanted = gonogo.map(hill, **given, **place, out=tmp_path / "plain")["p_go"]
     ways = {"named": (array.rename(x="easting", y="northing").transpose("easting", "northing"), {}),
             "placed by hand": (array.drop_vars(["x", "y"]), dict(transform=TRANSFORM)),
-            "without system": (array.drop_vars("spatial_ref"), dict(crs="EPSG:32610"))}
+            "without system": (array.drop_vars("spatial_ref"), dict(crs="EPSG:32610")),
+            "system by code": (array.drop_vars("spatial_ref"), dict(crs=32610))}
     for name, (dem, way) in ways.items():
         assert np.array_equal(gonogo.map(dem, **given, **way, out=tmp_path / name)["p_go"], wanted, equal_nan=True), name
     file = dict(driver="GTiff", height=ROWS, width=COLUMNS, dtype="float32", crs="EPSG:32610", transform=rasterio.Affine(*TRANSFORM))
