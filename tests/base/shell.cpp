@@ -16,7 +16,8 @@ TEST_CASE("a plain word stays as it is, and any other goes into quotes") {
 TEST_CASE("a shell reads back every word as it was") {
   std::string all;
   for (int c = 1; c < 256; ++c) all += char(c);
-  for (const std::string word : {"a b", "a'b", "'", "$(false)", "`false`; false", "a\\b", "\"", "*", "~", "a&b|c>d", "ä é", ""})
+  for (const std::string word :
+       {"a b", "a'b", "'", "$(false)", "`false`; false", "a\\b", "\"", "*", "~", "a&b|c>d", "ä é", ""})
     CHECK(shell("printf '[%s]' " + shell_word(word)).output == "[" + word + "]");
   CHECK(shell("printf %s " + shell_word(all)).output == all);
 }

@@ -93,8 +93,7 @@ Reader answer(const std::string& name, const std::string& file, const std::strin
   const auto read = [format](const fs::path& path) {
     const learning::Problem problem = some_problem();
     const learning::SampleSet rows = learning::check_answer(
-        problem,
-        learning::read_answer(read_file(path), learning::answer_format_named(format), problem, path.string()),
+        problem, learning::read_answer(read_file(path), learning::answer_format_named(format), problem, path.string()),
         path.string());
     return bytes_of(rows.values) + bytes_of(rows.energies) + bytes_of(rows.occurrences);
   };

@@ -14,7 +14,8 @@ std::string bytes_of(const std::vector<T>& values) {
 }
 
 inline std::string text_of(const learning::Problem& problem) {
-  std::string text = learning::vartype_name(problem.vartype) + bytes_of(problem.linear) + bytes_of(std::vector{problem.offset});
+  std::string text =
+      learning::vartype_name(problem.vartype) + bytes_of(problem.linear) + bytes_of(std::vector{problem.offset});
   for (const learning::Label& label : problem.labels) text += learning::label_text(label) + ",";
   for (const learning::Coupling& c : problem.couplings)
     text += std::to_string(c.a) + "-" + std::to_string(c.b) + bytes_of(std::vector{c.value});

@@ -104,14 +104,17 @@ def flat_shapes(file):
     if first.GetGeomType() == ogr.wkbNone or first.GetSpatialRef() is None or first.GetFeatureCount() == 0:
         return None
     system = first.GetSpatialRef()
+    longest = None  # edge in the file's units: straight edges in degrees are no straight lines on the ground
     if system.IsGeographic():
+        longest = 0.01
         shape = first.GetNextFeature()  # it owns its geometry
         middle = shape.GetGeometryRef().Centroid()
         system = osr.SpatialReference()
         system.ImportFromEPSG((32600 if middle.GetY() > 0 else 32700) + int(middle.GetX() // 6) + 31)
     try:
         flat = gdal.VectorTranslate("", str(file), format="Memory", layers=[first.GetName()],
-                                    geometryType="CONVERT_TO_LINEAR", dstSRS=system.ExportToWkt())
+                                    geometryType="CONVERT_TO_LINEAR", dstSRS=system.ExportToWkt(),
+                                    segmentizeMaxDist=longest)
     except RuntimeError:  # of all the world: no zone holds it
         return None
     west, east, south, north = flat.GetLayer(0).GetExtent()

@@ -1,4 +1,5 @@
-// Inputs like those of reports in public trackers, with the right answers. tests/data/cases/README.md lists all of them.
+// Inputs like those of reports in public trackers, with the right answers. tests/data/cases/README.md lists all of
+// them.
 #include <ogr_srs_api.h>
 
 #include <algorithm>
@@ -61,7 +62,8 @@ Ring square(double west, double south, double east, double north) {
 
 std::string coordinates(const Ring& ring) {
   std::string text;
-  for (const auto& [x, y] : ring) text += (text.empty() ? "[" : ", [") + std::to_string(x) + ", " + std::to_string(y) + "]";
+  for (const auto& [x, y] : ring)
+    text += (text.empty() ? "[" : ", [") + std::to_string(x) + ", " + std::to_string(y) + "]";
   return "[" + text + "]";
 }
 
@@ -200,8 +202,9 @@ TEST_CASE("gdal#11491: GML in latitude and longitude marks the cells of the same
 TEST_CASE("gdal#8689: a polygon in the hole of another is closed, and the rest of the hole is open") {
   const TemporaryFolder folder;
   const MapGrid grid = grid_of(folder);
-  write_polygons(folder / "a.geojson", {{square(500051, 4399701, 500299, 4399949), square(500101, 4399751, 500249, 4399899)},
-                                        {square(500151, 4399821, 500179, 4399849)}});
+  write_polygons(folder / "a.geojson",
+                 {{square(500051, 4399701, 500299, 4399949), square(500101, 4399751, 500249, 4399899)},
+                  {square(500151, 4399821, 500179, 4399849)}});
   // 25 x 25 cells, less the 13 x 13 that lie wholly in the hole, and 3 x 3 again.
   CHECK(marked(cells_under(folder / "a.geojson", grid)) == 625 - 169 + 9);
 }
@@ -209,14 +212,15 @@ TEST_CASE("gdal#8689: a polygon in the hole of another is closed, and the rest o
 TEST_CASE("geoparquet-io#911, xagg#60: a polygon that is cut at the antimeridian is whole on a map across it") {
   const TemporaryFolder folder;
   const MapGrid grid = grid_of(
-      folder, {.columns = 60, .rows = 60, .epsg = 0, .transform = {179500, 10, 0, 8173300, 0, -10}, .crs = "EPSG:32701"});
+      folder,
+      {.columns = 60, .rows = 60, .epsg = 0, .transform = {179500, 10, 0, 8173300, 0, -10}, .crs = "EPSG:32701"});
   const ToDegrees degrees(32701);
   const auto [middle, latitude] = degrees(179800, 8173000);
   CHECK(std::abs(std::abs(middle) - 180) < 0.003);
   constexpr double kHalf = 0.0015;
   const double south = latitude - kHalf, north = latitude + kHalf;
-  write_polygons(folder / "a.geojson", {{square(180 - kHalf, south, 180, north)}, {square(-180, south, -180 + kHalf, north)}},
-                 true);
+  write_polygons(folder / "a.geojson",
+                 {{square(180 - kHalf, south, 180, north)}, {square(-180, south, -180 + kHalf, north)}}, true);
   const auto cells = cells_under(folder / "a.geojson", grid);
   int inside = 0, wrong = 0;
   for (int row = 0; row < 60; ++row)
@@ -255,7 +259,8 @@ TEST_CASE("gcd#349: heights above a vertical datum are taken as they are") {
 TEST_CASE("polar2grid#79: longitudes up to 360 are those that are less by 360") {
   const TemporaryFolder folder;
   const auto map = [&](double west) {
-    make_raster(folder / "a.tif", {.columns = 20, .rows = 20, .transform = {west, 1e-4, 0, 39.5, 0, -1e-4}, .crs = "EPSG:4326"});
+    make_raster(folder / "a.tif",
+                {.columns = 20, .rows = 20, .transform = {west, 1e-4, 0, 39.5, 0, -1e-4}, .crs = "EPSG:4326"});
     return heights(folder / "a.tif");
   };
   const RasterSource east = map(237.5), west = map(-122.5);
@@ -280,10 +285,11 @@ TEST_CASE("geopandas#3332: KML holds longitude before latitude") {
     std::snprintf(text, sizeof text, "%.9f,%.9f,0 ", degrees(x, y)[0], degrees(x, y)[1]);
     places += text;
   }
-  write_file_atomically(folder / "a.kml",
-                        R"(<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><Polygon>)"
-                        "<outerBoundaryIs><LinearRing><coordinates>" +
-                            places + "</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></Document></kml>");
+  write_file_atomically(
+      folder / "a.kml",
+      R"(<?xml version="1.0"?><kml xmlns="http://www.opengis.net/kml/2.2"><Document><Placemark><Polygon>)"
+      "<outerBoundaryIs><LinearRing><coordinates>" +
+          places + "</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></Document></kml>");
   write_polygons(folder / "a.geojson", {{ring}});
   CHECK(cells_under(folder / "a.kml", grid) == cells_under(folder / "a.geojson", grid));
 }
@@ -303,7 +309,7 @@ TEST_CASE("gdal#14400, xarray-spatial#1184: a TIFF that claims a size beyond its
     for (const auto& [tag, value] : tags) set_tag(folder / "a.tif", tag, value);
     return refused_in_time([&] { missing(heights(folder / "a.tif")); });
   };
-  CHECK(contains(claiming({{277, 65529}}), "a.tif"));               // samples of a pixel
+  CHECK(contains(claiming({{277, 65529}}), "a.tif"));                // samples of a pixel
   CHECK(contains(claiming({{256, 60000}, {257, 60000}}), "a.tif"));  // columns and rows
 }
 
@@ -311,8 +317,9 @@ TEST_CASE("nlohmann/json#5387, #1835: a file of 200,000 brackets is refused, not
   const TemporaryFolder folder;
   const MapGrid grid = grid_of(folder);
   const std::string brackets = std::string(200000, '[') + std::string(200000, ']');
-  write_file_atomically(folder / "a.geojson", R"({"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": )"
-                                              R"({"type": "Polygon", "coordinates": )" +
-                                                  brackets + R"(}, "properties": {}}]})");
+  write_file_atomically(folder / "a.geojson",
+                        R"({"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": )"
+                        R"({"type": "Polygon", "coordinates": )" +
+                            brackets + R"(}, "properties": {}}]})");
   CHECK(contains(refused_in_time([&] { cells_under(folder / "a.geojson", grid); }), "a.geojson"));
 }
