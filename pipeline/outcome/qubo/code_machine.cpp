@@ -293,11 +293,38 @@ CodeMachine::Reference CodeMachine::outcomes() const {
   return result;
 }
 
+namespace {
+
+/// P(words of `group`), where all words have few combinations: hidden units are summed out for each. Empty where they
+/// have many.
+std::vector<double> by_words(const learning::WordMachine& machine, std::size_t group) {
+  constexpr std::size_t kMaxRows = 4096;
+  std::size_t rows = 1;
+  for (const learning::WordGroup& each : machine.groups())
+    if ((rows *= each.length) > kMaxRows) return {};
+  std::vector<std::vector<double>> logs(machine.groups()[group].length);
+  std::vector<std::uint16_t> row(machine.groups().size());
+  for (std::size_t n = 0; n < rows; ++n) {
+    std::size_t rest = n;
+    for (std::size_t g = 0; g < row.size(); ++g, rest /= machine.groups()[g - 1].length)
+      row[g] = std::uint16_t(rest % machine.groups()[g].length);
+    logs[row[group]].push_back(machine.log_weight(row));
+  }
+  std::vector<double> result;
+  for (const std::vector<double>& of : logs) result.push_back(learning::log_sum_exp(of));
+  learning::normalise_logs(result);
+  return result;
+}
+
+}  // namespace
+
 std::vector<double> CodeMachine::exact_outcomes() const {
+  const auto group =
+      std::find_if(groups_.begin(), groups_.end(), [](const CodeGroup& candidate) { return candidate.variable < 0; });
+  if (group == groups_.end()) return {};
+  const auto g = std::size_t(group - groups_.begin());
   const std::optional<Exact> sums = exact();
-  for (std::size_t g = 0; sums && g < groups_.size(); ++g)
-    if (groups_[g].variable < 0) return sums->probability[g];
-  return {};
+  return sums ? sums->probability[g] : by_words(words(), g);
 }
 
 }  // namespace gonogo::outcome

@@ -60,7 +60,8 @@ class CodeMachine {
     std::vector<double> probability, standard_error;  // [outcome]
   };
   Reference outcomes() const;
-  /// P(outcome) of the exact sums; empty where there are none.
+  /// P(outcome) by sums over all hidden rows, or over all code words where these have at most 4,096 combinations; empty
+  /// where both have more.
   std::vector<double> exact_outcomes() const;
 
   const std::vector<CodeGroup>& groups() const { return groups_; }

@@ -76,6 +76,16 @@ learning::Problem penalised_machine(const learning::Model& model, const learning
   return learning::clamp(learning::with_code_penalty(whole, model.layout, fixed, strength), fixed);
 }
 
+std::string penalty_note(const learning::Problem& penalised, const learning::VisibleLayout& layout, double strength) {
+  const std::optional<CodeMachine> machine = CodeMachine::of(penalised, layout);
+  if (!machine || has_code_words_only(*machine)) return "";
+  const WordShares shares = word_shares(*machine);
+  const std::string words = (shares.exact ? "" : "about ") + percent(shares.words) + " of the rows are code words";
+  if (strength > 0) return "With a penalty of " + number_text(strength) + " " + words;
+  return "Without a penalty " + words + ", and weighed reads are worth " + percent(shares.weighed) +
+         " of as many independent rows. Leave --penalty out to have the better of plain and free units chosen";
+}
+
 PreparedMachine machine_of_free_units(const learning::Model& model, const learning::KnownPart& known) {
   const learning::WordMachine machine(model.layout, model.weights, known);
   const std::size_t count = std::clamp<std::size_t>(machine.word_count() - machine.groups().size(), 1, kMostFreeUnits);

@@ -35,6 +35,10 @@ learning::Problem plain_machine(const learning::Model& model, const learning::Kn
 /// The same with a penalty on words that are no code words (with_code_penalty()).
 learning::Problem penalised_machine(const learning::Model& model, const learning::KnownPart& known, double strength);
 
+/// What rows of the machine with this penalty are worth, for people. Empty where every row is one of code words, and
+/// where a penalised variable has too many units to list its words.
+std::string penalty_note(const learning::Problem& penalised, const learning::VisibleLayout& layout, double strength);
+
 /// Free units in place of code words: 20, or one for each word beyond the first of every group where these are fewer.
 /// No two of them are coupled, nor two hidden units, and every row of hidden units gives code words.
 PreparedMachine machine_of_free_units(const learning::Model& model, const learning::KnownPart& known);

@@ -53,7 +53,7 @@ MachineProblem machine_problem(const learning::Model& model, const std::map<std:
   sidecar.layout = model.layout;
   sidecar.code_penalty = code_penalty.value_or(0);
   sidecar.words = prepared.words;
-  result.note = prepared.note;
+  result.note = code_penalty ? penalty_note(prepared.problem, model.layout, *code_penalty) : prepared.note;
   result.problem = learning::to_vartype(prepared.problem, vartype);
   sidecar.problem_hash = learning::problem_hash(result.problem);
   const auto machine = code_machine(result.problem, sidecar);
@@ -131,12 +131,19 @@ SampleReport sample_problem(const fs::path& problem_file, const fs::path& answer
 
 namespace {
 
-/// The chains of an embedded file on this graph.
-learning::Embedding recorded_embedding(const learning::EmbeddingRecord& record, const learning::HardwareGraph& graph) {
+/// The chains of an embedded file on this graph. Throws InputError where they do not lie on it.
+learning::Embedding recorded_embedding(const learning::EmbeddingRecord& record, const learning::HardwareGraph& graph,
+                                       const GraphChoice& choice) {
   learning::Embedding embedding;
   for (const auto& chain : record.chains) embedding.chains.emplace_back(chain.begin(), chain.end());
   embedding.uncoupled = record.uncoupled;
-  learning::check_chains(graph, embedding.chains);
+  try {
+    learning::check_chains(graph, embedding.chains);
+  } catch (const InputError& error) {
+    throw InputError("the problem was embedded on another graph than " +
+                     (choice.solver.empty() ? choice.name : choice.solver.string()) + " with its dead qubits (" +
+                     error.what() + "); name the graph of gonogo qubo embed, or embed the problem anew");
+  }
   return embedding;
 }
 
@@ -199,7 +206,7 @@ learning::SampleSet emulated_rows(const LoadedProblem& loaded, const DeviceChoic
                           : learning::Emulator(device).sample(loaded.problem, request);
   const bool embedded = loaded.sidecar && loaded.sidecar->embedding;
   const learning::Problem logical = embedded ? loaded.sidecar->embedding->source : learning::to_ising(loaded.problem);
-  learning::Embedding embedding = embedded ? recorded_embedding(*loaded.sidecar->embedding, device.graph)
+  learning::Embedding embedding = embedded ? recorded_embedding(*loaded.sidecar->embedding, device.graph, choice.graph)
                                            : learning::embed(device.graph, logical, "auto");
   const learning::CorrectedAnnealer annealer =
       corrected(device, std::move(embedding), choice.post_sweeps, choice.machine);

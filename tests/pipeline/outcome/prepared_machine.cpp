@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/files/file.h"
+#include "base/format.h"
 #include "learning/formats/dimod.h"
 #include "learning/model/posterior.h"
 #include "pipeline/outcome/qubo/qubo_exchange.h"
@@ -159,6 +160,42 @@ TEST_CASE("export takes free units where plain rows are worth little, says so, a
     }
     import.decoding = Decoding::discard;
     refused([&] { import_answer(import); }, "free units in place of code words");
+  }
+}
+
+TEST_CASE("an export that asks for a penalty, or for none, says how many of its rows are code words") {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "model.h5", problem = folder.path() / "problem.json";
+  const learning::Model model = random_machine({.hidden = 8, .size = 1.5, .units = 4, .outcome_bias = 2});
+  learning::write_model(file, model);
+  const auto note = [&](double penalty) {
+    const Exported exported = export_problem(file, problem, {}, learning::Vartype::binary, {}, penalty);
+    REQUIRE(exported.notes.size() == 1);
+    return exported.notes.front();
+  };
+  const auto words = [&](double penalty) {
+    const auto machine = CodeMachine::of(penalised_machine(model, nothing(model), penalty), model.layout);
+    return number_text(100 * machine->exact()->word_share, 2) + " % of the rows are code words";
+  };
+  const std::string plain = note(0), penalised = note(6);
+  std::printf("%s\n%s\n", plain.c_str(), penalised.c_str());
+  CHECK(contains(plain, "Without a penalty " + words(0)));
+  CHECK(contains(plain, "Leave --penalty out"));
+  CHECK(contains(penalised, "With a penalty of 6 " + words(6)));
+  CHECK(words(0) != words(6));
+}
+
+TEST_CASE("outcomes are exact with many hidden units where few words are free") {
+  const learning::Model model = random_machine({.hidden = 20, .size = 1, .units = 3});
+  learning::KnownPart known = nothing(model);
+  for (double& value : known.variables) value = 0;
+  known.variables[model.layout.variable_index("slope_along")] = NAN;
+  const PreparedMachine prepared = machine_of_free_units(model, known);
+  const CodeMachine::Reference found = prepared.code_machine(model.layout).outcomes();
+  const std::vector<double> own = outcomes_of(model, known);
+  for (std::size_t y = 0; y < own.size(); ++y) {
+    CHECK(found.probability[y] == Approx(own[y]).margin(1e-9));
+    CHECK(found.standard_error[y] == 0);
   }
 }
 

@@ -424,6 +424,31 @@ TEST_CASE("an embedded machine's answer gives the machine's outcomes, through ga
   refused([&] { import_answer(import); }, "majority_vote");
 }
 
+TEST_CASE("an annealer's answer on the qubits of another graph is refused") {
+  write_small_model();
+  export_problem(kModel, kProblem, {{"slope_along", 12}}, learning::Vartype::binary);
+  EmbedRequest request;
+  request.problem = kProblem;
+  const auto embed_on = [&](const std::string& graph, const std::string& name) {
+    request.graph.name = graph;
+    request.out = kFolder / name;
+    embed_problem_file(request);
+    return request.out;
+  };
+  const fs::path pegasus = embed_on("pegasus:4", "pegasus.json"), zephyr = embed_on("zephyr:4", "zephyr.json");
+  DeviceChoice device;
+  device.graph.name = "zephyr:4";
+  const learning::SampleRequest few = {.reads = 20, .seed = 1, .sweeps = 50};
+  refused([&] { sample_emulated(pegasus, kAnswer, device, few, FileChoice{}); },
+          "embedded on another graph than zephyr:4");
+  sample_emulated(zephyr, kAnswer, device, few, FileChoice{});
+  ImportRequest import = import_request();
+  import.problem = pegasus;
+  refused([&] { import_answer(import); }, "another problem");
+  replace_in_file(kAnswer, "problem_hash", "problem_hush");  // a machine's answer does not say whose it is
+  refused([&] { import_answer(import); }, "give the answer to this very problem");
+}
+
 TEST_CASE("values on the command line are checked against the contract") {
   CHECK(parse_named_values({"slope_along=-12.5", "cohesion=3"}).at("slope_along") == -12.5);
   refused([] { parse_named_values({"slope_along"}); }, "variable=number");
