@@ -124,7 +124,8 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
 
 namespace {
 
-constexpr std::size_t kManyUpdates = 7000, kFewUpdates = 4000;  // of the weights, by the number of trials
+// Of the weights. Beside many trials a teacher needs half of the updates that the trials alone need.
+constexpr std::size_t kManyUpdates = 7000, kTaughtUpdates = 3500, kFewUpdates = 4000;
 
 /// Trials of a minibatch. Unless the study gives it, an epoch has at most 32 minibatches.
 std::size_t batch_size(const LearningSettings& settings, std::size_t trials) {
@@ -144,20 +145,25 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
   const bool many = trials >= kManyTrials;
   // Points of a teacher that share in the joint distribution keep its large weight from blurring the edge.
   const bool is_taught = settings.teacher.value_or(1) > 0 && settings.importance == 1;
+  const bool is_followed = many && settings.teacher.value_or(1) > 0;  // the teacher, as closely as the machine can
   const auto set = [&](const char* key, auto& value, auto chosen) {
     if (!settings.given.count(key)) value = chosen;
   };
   set("negative", training.negative, learning::NegativePhaseKind::code_words);
   set("hidden", training.hidden, std::size_t(many ? 48 : 16));
-  set("generative", training.generative, many ? 0.1 : is_taught ? 0.6 : 0.07);
+  set("generative", training.generative, is_followed ? 0.3 : many ? 0.1 : is_taught ? 0.6 : 0.07);
   set("weight_decay", training.weight_decay, many ? 0.3 : 1.0);
   set("chains", training.chains, std::size_t(256));
   set("learning_rate", training.learning_rate, 0.03);
   set("calibrate", settings.calibrate, many);
   set("sweeps", training.sweeps, std::size_t(1));
   set("final_learning_rate", training.final_learning_rate, 0.05);
+  set("batch", training.batch, std::size_t(is_followed ? 64 : 32));
+  set("teacher", settings.teacher, std::optional(many ? 30.0 : 10.0));
+  settings.taught_points = is_followed ? 16384 : 2048;
   const std::size_t updates = std::max<std::size_t>(1, trials / batch_size(settings, trials));  // of an epoch
-  set("epochs", training.epochs, std::max<std::size_t>(1, (many ? kManyUpdates : kFewUpdates) / updates));
+  const std::size_t wanted = is_followed ? kTaughtUpdates : many ? kManyUpdates : kFewUpdates;
+  set("epochs", training.epochs, std::max<std::size_t>(1, wanted / updates));
   return settings;
 }
 

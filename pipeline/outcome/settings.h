@@ -1,17 +1,15 @@
 // The "learning" section of a study:
 //
 //   sampler         source of the negative phase: "block_gibbs" (default), "anneal", "tempering", "population",
-//   "exact",
-//                   "command", or "emulator" (a D-Wave 2X, see EmulatorChoice)
+//                   "exact", "command", or "emulator" (a D-Wave 2X, see EmulatorChoice)
 //   gpu             "auto" (default): block_gibbs samples on a GPU if there is one and an update is large enough to
-//   gain
-//                   by it; "never"
+//                   gain by it; "never"
 //   gradients       "cpu" (default) or "cuda": where LibTorch computes; one core is faster for tens of units
 //   command         of the sampler "command": list of program and arguments with {problem} {answer} {reads} {seed}
 //   stand_in        sampler that takes over if "command" fails (default "block_gibbs"); log, model and report say so
 //   hidden          number of hidden units
 //   epochs          max passes over the trials
-//   batch           trials of a minibatch (default 32, or a 32nd of the trials if that is more)
+//   batch           trials of a minibatch (default 32, from 200 trials on 64, or a 32nd of the trials if that is more)
 //   learning_rate   of the optimizer
 //   weight_decay    strength of the Gaussian prior on weights [nat]
 //   generative      share of the joint likelihood
@@ -24,21 +22,20 @@
 //   final_learning_rate  share of the learning rate at the last epoch (default 1)
 //   centred         gradients in centred units (default no)
 //   negative        how the chains of the negative phase start: "persistent" (default), "contrastive", "tempering" or
-//                   "trajectory"; these two have "rungs" machines on a ladder. "code_words" (default)
+//                   "trajectory"; these two have "rungs" machines on a ladder. "code_words" (default for trials)
 //                   draws whole code words, and the machine is one of code words only
 //   importance      power in [0, 1] of the trials' weights prior / proposal density (default 1)
-//   calibrate       whether to sharpen or blunt all probabilities by a power that the held-out folds choose (default
-//   no) unknown_inputs  "prior" (default): answers sum unknown variables out over the design's distribution, uniform
-//   over
+//   calibrate       whether to sharpen or blunt all probabilities by a power that the held-out folds choose
+//                   (default no)
+//   unknown_inputs  "prior" (default): answers sum unknown variables out over the design's distribution, uniform over
 //                   the sampled box; "machine": over the machine's joint distribution
-//   teacher         weight of the soft labels of a Gaussian process (default by the number of trials, see
-//                   training/teacher.h; 0: none)
+//   teacher         weight of the soft labels of the teacher (training/teacher.h; default 10, from 200 trials on 30;
+//                   0: none)
 //   bins            "range" (default) or "quantile"
 //   with            datasets of other fidelities that `gonogo run` trains on, too: named_trials()
 //   encoders        { "<variable>": { "code": "thermometer" | "one_hot" | "gray" | "binary", "bits": n } }; default:
-//   the
-//                   contract's. "edges" in place of "bits" gives the inner edges of the bins [unit of the variable],
-//                   increasing
+//                   the contract's. "edges" in place of "bits" gives the inner edges of the bins [unit of the
+//                   variable], increasing
 //   emulator        of the sampler "emulator": the fields of EmulatorChoice
 //
 // Other defaults are those of learning::TrainingSettings, and those of settings_for_trials().
@@ -86,6 +83,7 @@ struct LearningSettings {
   bool calibrate = false;
   double importance = 1;                                  // see temper_weights() in training_data.h
   std::optional<double> teacher;                          // weight; none: by the number of trials
+  std::size_t taught_points = 2048;                       // that the teacher labels
   bool uniform_inputs = true;                             // unknown_inputs is "prior"
   std::vector<std::string> command;                       // for the sampler "command"
   std::string stand_in = "block_gibbs";                   // for a sampler that fails
@@ -98,9 +96,9 @@ struct LearningSettings {
 LearningSettings read_learning_settings(const std::optional<Config>& section);
 
 /// From kManyTrials trials on, keys that are not given get the defaults for a machine whose joint distribution is
-/// right: code_words, 48 hidden units, generative 0.1, weight_decay 0.3, calibrate, 256 chains of one sweep an update,
-/// and 7,000 updates with the learning rate falling to 0.05 of itself. Settings stay where the study chooses another
-/// negative phase or another sampler.
+/// right: code_words, 48 hidden units, generative 0.3, weight_decay 0.3, calibrate, 256 chains of one sweep an update,
+/// minibatches of 64, 3,500 updates with the learning rate falling to 0.05 of itself, and a teacher of weight 30 at
+/// 16,384 points. Settings stay where the study chooses another negative phase or another sampler.
 inline constexpr std::size_t kManyTrials = 200;
 LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials);
 

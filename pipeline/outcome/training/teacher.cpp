@@ -209,13 +209,12 @@ TeacherShare teacher_share(const LearningSettings& settings) {
   return {weight, is_box ? weight / (1 + weight) : 0};
 }
 
-std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper,
+std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t count,
                                   std::uint64_t seed) {
-  constexpr std::uint32_t kCount = 2048;
   std::vector<double> points;
-  for (std::uint32_t k = 0; k < kCount; ++k)
+  for (std::size_t k = 0; k < count; ++k)
     for (std::size_t v = 0; v < lower.size(); ++v)
-      points.push_back(lower[v] + (upper[v] - lower[v]) * campaign::scrambled_sobol(k, seed, int(v)));
+      points.push_back(lower[v] + (upper[v] - lower[v]) * campaign::scrambled_sobol(std::uint32_t(k), seed, int(v)));
   return points;
 }
 

@@ -95,8 +95,8 @@ OtherTrials read_other_trials(const campaign::Provenance& own, const std::string
 /// The same files, the finest first.
 std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::path> datasets);
 
-/// Points that a teacher labels: 2,048 of a scrambled Sobol' sequence over the sampled box [point x variable].
-std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper,
+/// Points that a teacher labels: `count` of a scrambled Sobol' sequence over the sampled box [point x variable].
+std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t count,
                                   std::uint64_t seed);
 
 class Teacher {

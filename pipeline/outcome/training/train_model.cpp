@@ -404,7 +404,8 @@ TrainingReport train_model(const TrainRequest& request) {
   const KeptWork kept(request.model, work_key(request, in.settings));
   TrainingProgress progress(folds, training.epochs, source.watch());
   const std::vector<std::size_t> fold = learning::assign_folds(table, folds, training.seed);
-  const std::vector<double> points = taught_points(in.data.lower, in.data.upper, request.seed);
+  const std::vector<double> points =
+      taught_points(in.data.lower, in.data.upper, in.settings.taught_points, request.seed);
   FoldTeachers teachers(in, fold, points, kept);
   learning::CrossValidation validation = cross_validate(
       model.layout, table, training, source.sampler(), folds,
@@ -491,7 +492,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     in.training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
     const auto lesson =
-        teach_all(table, in.others, taught_points(in.data.lower, in.data.upper, in.training.seed), in.teacher);
+        teach_all(table, in.others,
+                  taught_points(in.data.lower, in.data.upper, in.settings.taught_points, in.training.seed), in.teacher);
     model.weights = trained_weights(base.layout, table, in.training, *sampler, {}, lesson.get());
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);
