@@ -2,6 +2,10 @@
 
     time_to_solution.py <gonogo> [family...]      run by scripts/time_to_solution.sh inside a virtual environment
 
+Where THRML is installed, its block Gibbs is measured, too. It has no annealing schedule, so each sweep here scales its
+weights by the next beta of dwave-samplers' geometric schedule. Problems that need more than MOST_BLOCKS colours are left
+out: THRML compiles every block by itself. Compilation is not counted in its time.
+
 The problems come from the generators of dimod and from graphs of dwave-networkx, PROBLEMS of each family. Every solver is
 run at several efforts (sweeps of a read, or seconds of a tabu read). p is the share of its reads with the best energy
 that any solver has found, t the CPU time of a read. Time to solution is t ln(0.01) / ln(1 - p), for its best effort; of a
@@ -28,9 +32,19 @@ import dwave_networkx
 import networkx
 from dwave.samplers import SimulatedAnnealingSampler, TabuSampler
 
+try:
+    import equinox
+    import jax
+    import numpy
+    import thrml
+    import thrml.models
+except ImportError:
+    thrml = None
+
 PROBLEMS, SECONDS, MOST_READS, DRAWS = 2, 0.4, 20000, 1000
 SWEEPS = (30, 200, 1500)
 TABU_MS = (2, 20)
+MOST_BLOCKS = 20
 
 
 def plain(bqm):
@@ -123,6 +137,54 @@ class Tabu:
         return used, list(map(float, self.bqm.energies(found)))
 
 
+class Thrml:
+    """Annealing by THRML's block Gibbs: the blocks are the colours of the graph."""
+    efforts = SWEEPS
+
+    def __init__(self, bqm):
+        self.bqm, self.ising = bqm, bqm.change_vartype("SPIN", inplace=False)
+        graph = dimod.to_networkx_graph(self.ising)
+        colour = networkx.greedy_color(graph, "DSATUR")
+        self.blocks = [[v for v in graph if colour[v] == c] for c in sorted(set(colour.values()))]
+
+    def anneal(self):
+        """Compiles for keys [read] and betas [sweep]; gives the states of the blocks [read][spin]."""
+        order = list(self.ising.variables)
+        node = {v: thrml.SpinNode() for v in order}
+        numbers = lambda values: jax.numpy.array([-x for x in values])  # THRML's energy has the other sign
+        machine = thrml.models.IsingEBM([node[v] for v in order], [(node[a], node[b]) for a, b in self.ising.quadratic],
+                                        numbers(self.ising.linear[v] for v in order), numbers(self.ising.quadratic.values()),
+                                        jax.numpy.array(1.0))
+        blocks = [thrml.Block([node[v] for v in block]) for block in self.blocks]
+        program = thrml.models.IsingSamplingProgram(machine, blocks, [])
+        samplers = [sampler.init() for sampler in program.samplers]
+
+        def sweep(state, step):
+            key, beta = step
+            scaled = jax.tree.map(lambda x: x * beta if equinox.is_inexact_array(x) else x, program.per_block_interactions)
+            at_beta = equinox.tree_at(lambda p: p.per_block_interactions, program, scaled)
+            return thrml.sample_blocks(key, state, [], at_beta, list(samplers))[0], None
+
+        def read(key, betas):
+            start, later = jax.random.split(key)
+            state = [jax.random.bernoulli(k, shape=(len(block),))
+                     for k, block in zip(jax.random.split(start, len(blocks)), self.blocks)]
+            return jax.lax.scan(sweep, state, (jax.random.split(later, len(betas)), betas))[0]
+
+        return jax.jit(jax.vmap(read, (0, None)))
+
+    def __call__(self, sweeps, reads, seed):
+        probe = SimulatedAnnealingSampler().sample(self.bqm, num_reads=1, num_sweeps=1)
+        betas = numpy.geomspace(*probe.info["beta_range"], sweeps)
+        keys = jax.random.split(jax.random.key(seed), reads)
+        compiled = self.anneal().lower(keys, betas).compile()
+        start = time.process_time()
+        state = [numpy.asarray(block) for block in compiled(keys, betas)]
+        used = time.process_time() - start
+        spins = 2 * numpy.concatenate(state, 1).astype(numpy.int8) - 1
+        return used, list(map(float, self.ising.energies((spins, [v for block in self.blocks for v in block]))))
+
+
 class Ours:
     efforts = SWEEPS
 
@@ -150,6 +212,8 @@ def solvers(gonogo, bqm):
     yield "theirs, annealing", Annealing(bqm, "geometric")
     yield "theirs, annealing linear", Annealing(bqm, "linear")
     yield "theirs, tabu", Tabu(bqm)
+    if thrml and len(Thrml(bqm).blocks) <= MOST_BLOCKS:
+        yield "THRML", Thrml(bqm)
 
 
 def measured(solver, effort):
@@ -202,7 +266,8 @@ def main():
     draw, won = random.Random(1), 0
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        print("| family | " + " | ".join(name + " [ms]" for name, _ in solvers(gonogo, dimod.BQM("SPIN"))) + " | ours / theirs |")
+        names = [name for name, _ in solvers(gonogo, dimod.BQM({"a": 1}, {}, "SPIN"))]
+        print("| family | " + " | ".join(name + " [ms]" for name in names) + " | ours / theirs |")
         for family in chosen:
             times = family_times(gonogo, FAMILIES[family])
             draws = {name: sorted(geometric_mean([drawn_time(*problem, draw) for problem in of]) for _ in range(DRAWS))
@@ -210,6 +275,8 @@ def main():
             unsorted = {name: [geometric_mean([drawn_time(*problem, draw) for problem in of]) for _ in range(DRAWS)]
                         for name, of in times.items()}
             def text(name):
+                if name not in times:
+                    return "not run"
                 never = sum(hits == 0 for _, hits, _ in times[name])
                 d = draws[name]
                 return "%.3g [%.3g, %.3g]%s" % (1e3 * d[DRAWS // 2], 1e3 * d[DRAWS // 40], 1e3 * d[-DRAWS // 40],
@@ -217,7 +284,7 @@ def main():
             ratio = sorted(min(unsorted[n][i] for n in unsorted if n.startswith("gonogo")) /
                            min(unsorted[n][i] for n in unsorted if n.startswith("theirs")) for i in range(DRAWS))
             won += ratio[DRAWS // 2] <= 1
-            print("| %s | %s | %.2g [%.2g, %.2g] |" % (family, " | ".join(map(text, times)), ratio[DRAWS // 2], ratio[DRAWS // 40],
+            print("| %s | %s | %.2g [%.2g, %.2g] |" % (family, " | ".join(map(text, names)), ratio[DRAWS // 2], ratio[DRAWS // 40],
                                                      ratio[-DRAWS // 40]), flush=True)
     print("ours is at most theirs in %d of %d families" % (won, len(chosen)))
 
