@@ -21,7 +21,8 @@ namespace {
 constexpr long kSquare = 100;  // cells
 
 const std::string kCrs = R"("crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32610"}})";
-const std::string kRing = "[[500101, 4399801], [500199, 4399801], [500199, 4399899], [500101, 4399899], [500101, 4399801]]";
+const std::string kRing =
+    "[[500101, 4399801], [500199, 4399801], [500199, 4399899], [500101, 4399899], [500101, 4399801]]";
 const std::string kPolygon = R"({"type": "Polygon", "coordinates": [)" + kRing + "]}";
 
 std::string feature(const std::string& geometry, const std::string& more = "") {
@@ -47,7 +48,9 @@ struct Case {
 const std::string kDropped = "and only 1 of them can be read", kNowhere = "has no place in the map's coordinate system";
 
 std::vector<Case> geojson_cases() {
-  const std::string whole = feature(kPolygon), hole = "[[500121, 4399821], [500121, 4399879], [500179, 4399879], [500179, 4399821], [500121, 4399821]]";
+  const std::string
+      whole = feature(kPolygon),
+      hole = "[[500121, 4399821], [500121, 4399879], [500179, 4399879], [500179, 4399821], [500121, 4399821]]";
   const auto second = [&](const std::string& geometry) { return collection(whole + ", " + feature(geometry)); };
   return {
       {"plain", one(kPolygon)},
@@ -56,21 +59,26 @@ std::vector<Case> geojson_cases() {
       {"a byte order mark", "\xef\xbb\xbf" + one(kPolygon)},
       {"heights", one(replaced(kPolygon, "4399801]", "4399801, 99.5]"))},
       {"not closed", one(replaced(kPolygon, ", [500101, 4399801]]", "]"))},
-      {"the other way round", one(R"({"type": "Polygon", "coordinates": [[[500101, 4399801], [500101, 4399899], [500199, 4399899], [500199, 4399801], [500101, 4399801]]]})")},
+      {"the other way round",
+       one(R"({"type": "Polygon", "coordinates": [[[500101, 4399801], [500101, 4399899], [500199, 4399899], [500199, 4399801], [500101, 4399801]]]})")},
       {"corners twice", one(replaced(kPolygon, "[500199, 4399801]", "[500199, 4399801], [500199, 4399801]"))},
-      {"a spike without width", one(replaced(kPolygon, "[500101, 4399899]", "[500150, 4399899], [500150, 4399890], [500150, 4399899], [500101, 4399899]"))},
+      {"a spike without width",
+       one(replaced(kPolygon, "[500101, 4399899]",
+                    "[500150, 4399899], [500150, 4399890], [500150, 4399899], [500101, 4399899]"))},
       {"whole numbers with points", one(replaced(kPolygon, "500199", "500199.000"))},
       {"exponents", one(replaced(kPolygon, "500199", "5.00199E5"))},
       {"many of one kind", one(R"({"type": "MultiPolygon", "coordinates": [[)" + kRing + "]]}")},
       {"a collection", one(R"({"type": "GeometryCollection", "geometries": [)" + kPolygon + "]}")},
-      {"a collection in a collection", one(R"({"type": "GeometryCollection", "geometries": [{"type": "GeometryCollection", "geometries": [)" + kPolygon + "]}]}")},
+      {"a collection in a collection",
+       one(R"({"type": "GeometryCollection", "geometries": [{"type": "GeometryCollection", "geometries": [)" +
+           kPolygon + "]}]}")},
       {"twice the same", collection(whole + ", " + whole)},
       {"a hole", one(R"({"type": "Polygon", "coordinates": [)" + kRing + ", " + hole + "]}"), kSquare - 16},
       {"geometry twice, the last counts", collection(feature(kPolygon, R"("geometry": null, )"))},
       {"null beside it", second("null")},
       {"an empty polygon beside it", second(R"({"type": "Polygon", "coordinates": []})")},
       {"an empty collection beside it", second(R"({"type": "GeometryCollection", "geometries": []})")},
-      {"one far away beside it", second(replaced(kPolygon, "[500101", "[400101"))  , -1},
+      {"one far away beside it", second(replaced(kPolygon, "[500101", "[400101")), -1},
       {"coordinates a text", second(R"({"type": "Polygon", "coordinates": "x"})"), 0, kDropped},
       {"a misspelt type", second(replaced(kPolygon, "Polygon", "Polgon")), 0, kDropped},
       {"misspelt coordinates", second(replaced(kPolygon, "coordinates", "coords")), 0, "a.geojson"},
@@ -82,11 +90,18 @@ std::vector<Case> geojson_cases() {
       {"infinity", one(replaced(kPolygon, "500199", "1e999")), 0, kNowhere},
       {"far off any globe", one(replaced(kPolygon, "500199", "500199e9")), 0, kNowhere},
       {"metres that count as degrees", collection(whole, ""), 0, kNowhere},
-      {"latitude first", collection(feature(R"({"type": "Polygon", "coordinates": [[[39.7, -123], [39.7, -122.9], [39.8, -122.9], [39.7, -123]]]})"), ""), 0, kNowhere},
+      {"latitude first",
+       collection(
+           feature(
+               R"({"type": "Polygon", "coordinates": [[[39.7, -123], [39.7, -122.9], [39.8, -122.9], [39.7, -123]]]})"),
+           ""),
+       0, kNowhere},
       {"a point", one(R"({"type": "Point", "coordinates": [500150, 4399850]})"), 0, "no polygon (Point)"},
       {"a point beside it", second(R"({"type": "Point", "coordinates": [500150, 4399850]})"), 0, "no polygon (Point)"},
       {"a line", one(R"({"type": "LineString", "coordinates": )" + kRing + "}"), 0, "no polygon"},
-      {"another place", one(replaced(replaced(replaced(kPolygon, "[500101", "[600101"), "[500199", "[600199"), "[500101", "[600101")), -1},
+      {"another place",
+       one(replaced(replaced(replaced(kPolygon, "[500101", "[600101"), "[500199", "[600199"), "[500101", "[600101")),
+       -1},
       {"a trailing comma", replaced(one(kPolygon), "}]}", "},]}"), 0, "cannot be read"},
       {"the last bracket missing", one(kPolygon).substr(0, one(kPolygon).size() - 2), 0, "cannot be read"},
       {"no shapes", collection(""), 0, "a.geojson"},
