@@ -109,7 +109,7 @@ class Model:
 
         labels, linear, first, second, coupling, offset = self._machine(given, vartype, code_penalty).coefficients()
         return dimod.BinaryQuadraticModel.from_numpy_vectors(linear, (first, second, coupling), offset,
-                                                             dimod.as_vartype(vartype), variable_order=labels)
+                                                             dimod.Vartype[vartype], variable_order=labels)
 
     def answer(self, sampleset: "dimod.SampleSet", given: Mapping[str, float] | None = None,
                code_penalty: float | None = None, *, decoding: str = "weigh", min_reads: float = 100,
