@@ -12,6 +12,9 @@ struct TrainRequest {
   std::string study{};                  // a file or shipped study with settings of learning; empty: the usual ones
   std::optional<std::uint64_t> seed{};  // none: the study's, or 1
   std::size_t hold_out = 0;             // trials that are kept for evaluate()
+  // Model of the vehicle's family, a file or shipped name: own trials correct its forecast. Empty text: the one that
+  // ships; none: own trials alone.
+  std::optional<std::string> family{};
   int members = 0;  // bootstrap members, written beside the model; their spread is what the trials leave open
 };
 

@@ -31,6 +31,7 @@ outcome::TrainRequest request_of(const TrainRequest& request) {
   result.seed = request.seed.value_or(1);
   result.hold_out = request.hold_out;
   result.members_follow = request.members > 0;
+  if (request.family) result.forecast = map::family_forecast(*request.family, request.dataset);
   if (request.study.empty()) return result;
   const campaign::Study study = campaign::read_study(shipped_file("studies", "study", request.study));
   if (!request.seed) result.seed = study.seed;
@@ -59,9 +60,9 @@ TrainReport train(const TrainRequest& request) {
 
 Evaluation evaluate(const std::string& model, const std::filesystem::path& dataset) {
   return guarded([&] {
-    const std::filesystem::path file = map::find_model(model);
+    const map::TrainedModel trained = map::read_trained_model(map::find_model(model));
     const outcome::Evaluation e =
-        outcome::evaluate_model(file, map::read_trials_for(map::read_trained_model(file), dataset), dataset.string());
+        outcome::evaluate_model(*trained.predictor, map::read_trials_for(trained, dataset), dataset.string());
     Evaluation result{.trials = e.trials,
                       .trained_on = e.trained_on,
                       .unknown = e.unknown,

@@ -181,13 +181,8 @@ campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesyst
   campaign::Dataset own = campaign::read_dataset(file);
   const std::string* text = campaign::input_text(own.provenance, "vehicle");
   if (text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle"))) return own;
-  if (!model.family) {
-    const Range load = sampled_box(model)[campaign::contract().variable_index("load_number")];
-    if (load.maximum > load.minimum)
-      throw InputError(model.file.string() + ": is a model of a family, whose trials are not beside it; put their " +
-                       "dataset.h5 into its folder, which says how vehicles are scaled");
-    return own;
-  }
+  if (!is_of_family(model)) return own;
+  require_family(model);
   const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
   if (!driven)
     throw InputError(file.string() + ": does not hold the files of its vehicle and soil, so that the model " +
@@ -212,9 +207,9 @@ std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& fami
       family.empty() ? shipped_family_model() : std::optional(find_model(family));
   if (!file) throw InputError("--from-family: no model of a family ships; name one with --family-model");
   const TrainedModel model = read_trained_model(*file);
-  if (!model.family)
-    throw InputError(file->string() +
-                     ": is no model of a family of vehicles with its trials beside it; give one that is");
+  if (!is_of_family(model))
+    throw InputError(file->string() + ": is no model of a family of vehicles; give one that is");
+  require_family(model);
   const std::vector<Range> box = sampled_box(model);
   FamilyMember member = family_member(*model.family, model.gravity, vehicle, gravity);
   if (!compliant_tyres) member.numbers.wheel.deflection = 0;
@@ -239,6 +234,16 @@ std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& fami
                         .about = "forecast of the family " + member.family.name + " for " + member.vehicle.name,
                         .trials = model.dataset->records.size(),
                         .p_go = answer});
+}
+
+std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family,
+                                                         const std::filesystem::path& dataset) {
+  const std::optional<TrialVehicle> driven =
+      trial_vehicle(campaign::read_dataset(dataset).provenance, dataset.string());
+  if (!driven)
+    throw InputError(dataset.string() +
+                     ": does not hold the file of one vehicle, for which --from-family asks its family; leave it out");
+  return family_forecast(family, driven->vehicle, driven->compliant_tyres, driven->gravity);
 }
 
 }  // namespace gonogo::map

@@ -65,6 +65,10 @@ campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesyst
 std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family, const vehicle::Vehicle& vehicle,
                                                          bool compliant_tyres, double gravity);
 
+/// The same of the vehicle that the trials of a dataset drove. Throws InputError where they drove several.
+std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family,
+                                                         const std::filesystem::path& dataset);
+
 /// Numbers of the member that lie outside the trials after that, such as "load_number 7.2 (44 % above 0.3 to 5)".
 std::vector<std::string> numbers_outside(const FamilyMember& member, const std::vector<Range>& sampled);
 

@@ -313,16 +313,10 @@ double gravity_of(const Region& region) {
 
 /// Throws InputError for a model of a family that cannot answer for a vehicle.
 void check_family(const TrainedModel& trained, const std::filesystem::path& vehicle) {
-  const auto& sampled = trained.predictor->model().sampled_upper;
-  const auto has = [&](const char* name) { return sampled[campaign::contract().variable_index(name)] > 0; };
-  if (!has("load_number")) return;
-  const std::string of = trained.file.string() + ": is a model of a family";
-  if (!has("axles"))
-    throw InputError(of + "'s wheels by themselves, which stand on no ground of a map; give one of whole vehicles");
-  if (!trained.family)
-    throw InputError(of + ", and its trials, which say of which, are not beside it; give them with --dataset");
+  if (!is_of_family(trained)) return;
+  require_family(trained);
   if (vehicle.empty())
-    throw InputError(of + ", " + trained.family->name +
+    throw InputError(trained.file.string() + ": is a model of a family, " + trained.family->name +
                      "; name one vehicle with --vehicle (gonogo vehicle new makes its file)");
 }
 

@@ -10,6 +10,7 @@
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
 #include "terrain/soil/soil.h"
+#include "vehicle/family/common_pull.h"
 #include "vehicle/family/vehicle_numbers.h"
 #include "vehicle/semi_empirical/bekker_wong.h"
 #include "vehicle/semi_empirical/mobility_index.h"
@@ -19,7 +20,6 @@ namespace gonogo::map {
 namespace {
 
 constexpr double kAspect = 0.75, kUsualDeflection = 0.15;  // of a tyre's section: height over width
-constexpr double kLeastShare = 0.02;                       // of the weight on an axle with a pull
 
 /// A vehicle of the family on a trial's soil and slope.
 struct Asked {
@@ -44,11 +44,12 @@ Asked asked_at(std::span<const double> point, double diameter) {
   return a;
 }
 
-vehicle::WheelOnSoil wheel_on_soil(const Asked& a, double share) {
+/// axle_load: over that of equally loaded axles.
+vehicle::WheelOnSoil wheel_on_soil(const Asked& a, double axle_load) {
   const vehicle::WheelNumbers& w = a.numbers.wheel;
   const double width = w.width * a.diameter, height = kAspect * width;
   const bool rigid = w.deflection < vehicle::kNegligible;
-  return {.load = share * a.weight / 2,
+  return {.load = axle_load * a.weight / (2 * a.numbers.axles),
           .diameter = a.diameter,
           .width = width,
           .section_height = height,
@@ -56,21 +57,20 @@ vehicle::WheelOnSoil wheel_on_soil(const Asked& a, double share) {
           .cone_index = a.cone};
 }
 
-/// Largest sum of the wheels' pulls over the weight, all wheels at one slip, within what the driveline gives.
+/// Largest sum of the wheels' pulls over the weight, all wheels at one slip, within what the driveline gives. The
+/// relations say nothing of side forces.
 double best_pull(const Asked& a, const std::function<double(const vehicle::WheelOnSoil&, double slip)>& pull) {
   constexpr std::array kSlips = {0.1, 0.2, 0.4, 0.7};
-  double best = -1;
-  for (const double slip : kSlips) {
-    double sum = 0;
-    for (const double share : vehicle::axle_shares(a.numbers, a.slope))
-      if (share > kLeastShare) sum += share * pull(wheel_on_soil(a, share), slip);
-    best = std::max(best, sum);
-  }
+  const std::vector<double> shares = vehicle::axle_shares(a.numbers, a.slope), loads = vehicle::axle_loads(shares);
+  const auto forces = [&](std::size_t axle, std::size_t k) {
+    return vehicle::AxleForces{.pull = pull(wheel_on_soil(a, loads[axle]), kSlips[k])};
+  };
+  const double best = vehicle::largest_pull(shares, kSlips.size(), 0, forces).pull;
   return std::min(best, vehicle::drive_force(a.numbers, a.speed));
 }
 
 double one_pass_index(const Asked& a) {
-  const vehicle::WheelOnSoil wheel = wheel_on_soil(a, 1.0 / a.numbers.axles);
+  const vehicle::WheelOnSoil wheel = wheel_on_soil(a, 1);
   const vehicle::MobilityFactors factors = vehicle::mobility_factors(vehicle::WheeledIndexInput{
       .axle_load = 2 * wheel.load,
       .diameter = wheel.diameter,

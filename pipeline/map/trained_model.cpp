@@ -46,10 +46,12 @@ std::string vehicle_of(const fs::path& folder) {
   return vehicle ? vehicle->name : "";
 }
 
-/// Whether the trials of a model drove whole vehicles of a family.
-bool is_of_family(const learning::Model& model) {
-  return model.sampled_upper[campaign::contract().variable_index("axles")] > 0;
+bool has_sampled(const learning::Model& model, const char* number) {
+  return model.sampled_upper[campaign::contract().variable_index(number)] > 0;
 }
+
+/// Whether the trials of a model drove whole vehicles of a family.
+bool is_of_vehicles(const learning::Model& model) { return has_sampled(model, "axles"); }
 
 std::optional<vehicle::Family> trial_family(const campaign::Provenance& provenance, const std::string& where) {
   const std::string* text = campaign::input_text(provenance, "vehicle");
@@ -137,6 +139,17 @@ std::string why_not_crossing(const TrainedModel& model, const TrainedModel& ditc
 
 }  // namespace
 
+bool is_of_family(const TrainedModel& model) { return has_sampled(model.predictor->model(), "load_number"); }
+
+void require_family(const TrainedModel& model) {
+  const std::string of = model.file.string() + ": is a model of a family";
+  if (!is_of_vehicles(model.predictor->model()))
+    throw InputError(of + "'s wheels by themselves, which stand on no ground of a map; give one of whole vehicles");
+  if (!model.family)
+    throw InputError(of + ", and its trials, which say how vehicles are scaled, are not beside it; put their " +
+                     "dataset.h5 into its folder");
+}
+
 std::string TrialVehicle::fidelity() const {
   return (vehicle::is_quarter(vehicle) ? "one wheel with a quarter of the vehicle" : std::string("whole vehicle")) +
          line(" on grains of %.3g mm, %.1f across a %s", 1e3 * table.grain_diameter,
@@ -182,7 +195,7 @@ fs::path find_model(const std::string& model) {
 std::optional<fs::path> shipped_family_model() {
   std::vector<fs::path> found;
   for (const fs::path& folder : shipped_models())
-    if (fs::is_regular_file(folder / "dataset.h5") && is_of_family(outcome::read_contract_model(folder / "model.h5")))
+    if (fs::is_regular_file(folder / "dataset.h5") && is_of_vehicles(outcome::read_contract_model(folder / "model.h5")))
       found.push_back(folder / "model.h5");
   return found.size() == 1 ? std::optional(found.front()) : std::nullopt;
 }

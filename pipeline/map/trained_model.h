@@ -54,6 +54,13 @@ std::filesystem::path find_model(const std::string& model);
 /// InputError for files that cannot be read.
 TrainedModel read_trained_model(const std::filesystem::path& file, const std::filesystem::path& dataset = {});
 
+/// Whether its trials drove members of a family: whole vehicles, or wheels by themselves.
+bool is_of_family(const TrainedModel& model);
+
+/// Throws InputError for a model of a family that cannot answer for a vehicle: one of wheels by themselves, or one
+/// without its trials, which say how vehicles are scaled.
+void require_family(const TrainedModel& model);
+
 /// What the trials of the model sampled, by variable of the contract.
 std::vector<Range> sampled_box(const TrainedModel& model);
 

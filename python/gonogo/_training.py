@@ -18,15 +18,23 @@ def _with_torch() -> Any:
     return _train
 
 
+def _family_name(family: PathLike | bool) -> str | None:
+    if isinstance(family, bool):
+        return "" if family else None
+    return os.fspath(family)
+
+
 def train(dataset: PathLike, out: PathLike, *, study: PathLike | None = None, learning: Mapping[str, Any] | None = None,
-          seed: int | None = None, hold_out: int = 0) -> Model:
+          seed: int | None = None, hold_out: int = 0, family: PathLike | bool = False) -> Model:
     """Trains a model on a dataset and writes it to `out`, byte for byte as `gonogo train` does.
 
     study: file or shipped name whose sections "learning" and "design" count. learning: that section, as a dict; it wins
     over the study's. seed: the study's, or 1. hold_out: number of trials kept back for evaluate().
+    family: starts from the forecast of the model of the vehicle's family, which the trials correct: True for the one that
+    ships, or its file or name.
     """
     _with_torch().train(os.fspath(dataset), os.fspath(out), study_file(study) if study is not None else "",
-                        json.dumps(learning) if learning is not None else "", seed, hold_out)
+                        json.dumps(learning) if learning is not None else "", seed, hold_out, _family_name(family))
     return Model(out)
 
 

@@ -17,8 +17,9 @@ namespace gonogo::python {
 namespace {
 
 /// `study`: JSON file with sections learning and design, or "". `learning`: JSON text of the section, wins over it.
+/// `family`: model of the vehicle's family, "" for the one that ships.
 Members train(const std::string& dataset, const std::string& out, const std::string& study, const std::string& learning,
-              std::optional<std::uint64_t> seed, std::size_t hold_out) {
+              std::optional<std::uint64_t> seed, std::size_t hold_out, const std::optional<std::string>& family) {
   return members_of(long_call([&] {
     outcome::TrainRequest request{
         .dataset = dataset, .model = out, .seed = seed.value_or(1), .learning = {}, .design = {}, .hold_out = hold_out};
@@ -29,6 +30,7 @@ Members train(const std::string& dataset, const std::string& out, const std::str
       request.design = read.config.object_if("design");
     }
     if (!learning.empty()) request.learning = Config::parse(learning, "learning");
+    if (family) request.forecast = map::family_forecast(*family, dataset);
     return outcome::to_json(outcome::train_model(request));
   }));
 }
@@ -92,8 +94,9 @@ Fitted fit(const ArrayIn<double, 2>& rows, const ArrayIn<std::int64_t, 1>& outco
 
 Members evaluate(const std::string& model, const std::string& dataset) {
   return members_of(long_call([&] {
-    const campaign::Dataset trials = map::read_trials_for(map::read_trained_model(model), dataset);
-    return outcome::to_json(outcome::evaluate_model(model, trials, dataset));
+    const map::TrainedModel trained = map::read_trained_model(model);
+    return outcome::to_json(
+        outcome::evaluate_model(*trained.predictor, map::read_trials_for(trained, dataset), dataset));
   }));
 }
 
@@ -106,7 +109,7 @@ NB_MODULE(_train, m) {
   m.doc() = "Training and evaluation. Use the package gonogo; names here may change.";
   python::raise_errors_of_core();
   m.def("train", &python::train, "dataset"_a, "out"_a, "study"_a, "learning"_a, "seed"_a.none(), "hold_out"_a,
-        "Trains and writes a model. Returns the report.");
+        "family"_a.none(), "Trains and writes a model. Returns the report.");
   m.def("fit", &python::fit, "rows"_a, "outcome"_a, "weight"_a, "classes"_a, "bins"_a, "code"_a, "hidden"_a, "epochs"_a,
         "learning_rate"_a, "weight_decay"_a, "generative"_a, "seed"_a,
         "Trains a machine over any variables. Returns JSON of its layout, weights, visible and hidden biases.");

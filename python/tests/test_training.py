@@ -19,3 +19,9 @@ def test_a_held_out_set_is_scored(dataset_file, tmp_path):
 def test_bad_settings_are_told(dataset_file, tmp_path):
     with pytest.raises(gonogo.InputError, match="hiden"):
         gonogo.train(dataset_file, tmp_path / "model.h5", learning={"hiden": 4})
+
+
+def test_a_family_is_asked_for_whole_vehicles_alone(dataset_file, tmp_path):
+    for family in (True, "wheeled_family_32mm"):
+        with pytest.raises(gonogo.InputError, match="a wheel by itself"):
+            gonogo.train(dataset_file, tmp_path / "model.h5", family=family)

@@ -1,4 +1,5 @@
 // Numbers without dimension: canonical wheels have the numbers they were made from, at every size and gravity.
+#include <array>
 #include <sstream>
 
 #include "base/files/csv.h"
@@ -7,6 +8,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 #include "tests/support/vehicles.h"
+#include "vehicle/family/common_pull.h"
 #include "vehicle/family/vehicle_numbers.h"
 #include "vehicle/model/statics.h"
 
@@ -196,6 +198,25 @@ TEST_CASE("a family's file is refused for what is out of range") {
                                "friction": 0.8, "wheel_mass_share": 0.2, "spring_Hz": 2,
                                "lugs": {"count": 24, "thickness_ratio": 0.02}})";
   refused([&] { read_family(Config::parse(text, "f.json")); }, "diameter_m");
+}
+
+TEST_CASE("wheels that turn alike pull most in the way whose side force holds the vehicle") {
+  const std::vector<double> shares = {0.25, 0.75};
+  const std::array<AxleForces, 3> way = {AxleForces{0.5, 0.1}, AxleForces{0.4, 0.3}, AxleForces{0.1, 0.35}};
+  const auto forces = [&](std::size_t axle, std::size_t k) {
+    return AxleForces{way[k].pull * (axle == 0 ? 2.0 : 1.0), way[k].side};
+  };
+  const double doubled = 0.25 * 2 + 0.75;  // the front wheels pull twice as much of their load
+  CHECK(largest_pull(shares, 3, 0, forces).pull == Approx(0.5 * doubled));
+  CHECK(largest_pull(shares, 3, 0.2, forces).way == 1);
+  CHECK(largest_pull(shares, 3, 0.2, forces).pull == Approx(0.4 * doubled));
+  CHECK(largest_pull(shares, 3, 0.32, forces).way == 2);
+  CHECK(largest_pull(shares, 3, 2, forces).way == 2);
+}
+
+TEST_CASE("wheels of an axle that lifts off are asked at a small load") {
+  CHECK(axle_loads(std::vector<double>{0.5, 0.3, 0.2})[0] == Approx(1.5));
+  CHECK(axle_loads(std::vector<double>{1.0, 0.0})[1] == Approx(0.02));
 }
 
 }  // namespace gonogo::vehicle

@@ -24,8 +24,9 @@ void evaluate(const Globals& globals, const EvaluateOptions& options) {
   outcome::Scores scores;
   std::vector<outcome::MissingPoint> missing;
   if (held_out) {
-    const campaign::Dataset trials = map::read_trials_for(map::read_trained_model(model), options.dataset);
-    outcome::Evaluation evaluation = outcome::evaluate_model(model, trials, options.dataset.string(), options.rows);
+    const map::TrainedModel trained = map::read_trained_model(model);
+    outcome::Evaluation evaluation = outcome::evaluate_model(
+        *trained.predictor, map::read_trials_for(trained, options.dataset), options.dataset.string(), options.rows);
     report = outcome::to_json(evaluation);
     text = outcome::evaluation_text(evaluation);
     scores = std::move(evaluation.scores);

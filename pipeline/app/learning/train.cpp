@@ -1,6 +1,5 @@
 #include <memory>
 
-#include "base/error.h"
 #include "pipeline/app/cli/work.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/family_member.h"
@@ -20,19 +19,9 @@ struct TrainOptions {
   std::string family;  // model; empty: the one that ships
 };
 
-/// Of the vehicle that the trials drove.
-std::shared_ptr<const outcome::Forecast> forecast_of(const TrainOptions& options, const std::filesystem::path& trials) {
-  if (!options.from_family) return nullptr;
-  const auto driven = map::trial_vehicle(campaign::read_dataset(trials).provenance, trials.string());
-  if (!driven)
-    throw InputError(trials.string() +
-                     ": does not hold the file of one vehicle, for which --from-family asks its "
-                     "family; leave it out");
-  return map::family_forecast(options.family, driven->vehicle, driven->compliant_tyres, driven->gravity);
-}
-
 outcome::TrainRequest to_request(const TrainOptions& options) {
   const std::vector<std::filesystem::path> datasets = outcome::finest_first(options.datasets);
+  const auto forecast = options.from_family ? map::family_forecast(options.family, datasets.front()) : nullptr;
   outcome::TrainRequest request{.dataset = datasets.front(),
                                 .model = options.out,
                                 .seed = options.seed.value_or(1),
@@ -40,7 +29,7 @@ outcome::TrainRequest to_request(const TrainOptions& options) {
                                 .design = {},
                                 .hold_out = options.hold_out,
                                 .others = {datasets.begin() + 1, datasets.end()},
-                                .forecast = forecast_of(options, datasets.front()),
+                                .forecast = forecast,
                                 .members_follow = options.members > 0};
   if (options.study.empty()) return request;
   const campaign::Study study = campaign::read_study(options.study);

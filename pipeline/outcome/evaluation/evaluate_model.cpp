@@ -43,20 +43,16 @@ constexpr learning::MarginalOptions kQuickMarginal = {
 
 /// A model beside the trials that it is scored on: the valid ones of a dataset that it was not trained on.
 struct Comparison {
-  Predictor predictor;
   learning::TrainingTable trained, unseen;
   Forecasts forecasts;    // of the unseen trials, without baselines
   Evaluation evaluation;  // counts, outcome log loss and joint scores
 };
 
-Comparison compare(const std::filesystem::path& model, const campaign::Dataset& dataset, const std::string& where,
+Comparison compare(const Predictor& predictor, const campaign::Dataset& dataset, const std::string& where,
                    const std::filesystem::path& rows_file) {
   const std::optional<learning::TrainingTable> given =
       rows_file.empty() ? std::nullopt : std::optional(read_given_rows(rows_file));
-  Comparison result{
-      .predictor = Predictor::read(model), .trained = {}, .unseen = {}, .forecasts = {}, .evaluation = {}};
-  const Predictor& predictor = result.predictor;
-  result.trained = training_table(predictor.model());
+  Comparison result{.trained = training_table(predictor.model()), .unseen = {}, .forecasts = {}, .evaluation = {}};
   const TrainingData data = make_training_data(dataset.records, {});
   const std::vector<int> passable = passable_outcomes();
   std::set<std::vector<double>> seen;
@@ -87,13 +83,12 @@ Comparison compare(const std::filesystem::path& model, const campaign::Dataset& 
 
 Evaluation evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset,
                           const std::filesystem::path& rows) {
-  return evaluate_model(model, campaign::read_dataset(dataset), dataset.string(), rows);
+  return evaluate_model(Predictor::read(model), campaign::read_dataset(dataset), dataset.string(), rows);
 }
 
-Evaluation evaluate_model(const std::filesystem::path& model_file, const campaign::Dataset& trials,
-                          const std::string& where, const std::filesystem::path& rows) {
-  Comparison compared = compare(model_file, trials, where, rows);
-  const Predictor& predictor = compared.predictor;
+Evaluation evaluate_model(const Predictor& predictor, const campaign::Dataset& trials, const std::string& where,
+                          const std::filesystem::path& rows) {
+  Comparison compared = compare(predictor, trials, where, rows);
   const Baselines baselines = fit_baselines(compared.trained, passable_labels(compared.trained));
   compared.forecasts.baselines = baselines.forecasts(compared.unseen.variables);
   Evaluation evaluation = std::move(compared.evaluation);
@@ -112,7 +107,7 @@ Evaluation evaluate_model(const std::filesystem::path& model_file, const campaig
 
 Evaluation evaluate_joint(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
                           const std::filesystem::path& rows) {
-  Comparison compared = compare(model_file, campaign::read_dataset(dataset), dataset.string(), rows);
+  Comparison compared = compare(Predictor::read(model_file), campaign::read_dataset(dataset), dataset.string(), rows);
   compared.evaluation.scores = score_forecasts(compared.forecasts, 1);
   return std::move(compared.evaluation);
 }

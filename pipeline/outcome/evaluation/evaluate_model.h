@@ -10,6 +10,7 @@
 
 #include "base/json/json.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/outcome/answer/predictor.h"
 #include "pipeline/outcome/evaluation/hidden_inputs.h"
 #include "pipeline/outcome/evaluation/joint_scores.h"
 #include "pipeline/outcome/evaluation/scores.h"
@@ -68,7 +69,7 @@ std::vector<std::filesystem::path> write_evaluation(const std::filesystem::path&
 Evaluation evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset,
                           const std::filesystem::path& rows = {});
 /// The same of these trials, which `where` names.
-Evaluation evaluate_model(const std::filesystem::path& model, const campaign::Dataset& trials, const std::string& where,
+Evaluation evaluate_model(const Predictor& model, const campaign::Dataset& trials, const std::string& where,
                           const std::filesystem::path& rows = {});
 
 /// The part of it that takes seconds: the counts, the scores of the model alone, and the joint scores.

@@ -9,12 +9,15 @@
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/outcome/training_data.h"
+#include "vehicle/family/common_pull.h"
 
 namespace gonogo::outcome {
 namespace {
 
-constexpr std::array kSlips = {0.05, 0.1, 0.2, 0.3, 0.4, 0.6};
-constexpr double kLeastShare = 0.02;  // of the weight on a wheel that a load number takes
+/// Ways in which the wheels of a vehicle may turn, all alike: every slip at every slip angle [deg].
+constexpr std::array kSlips = {0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9};
+constexpr std::array kSlipAngles = {0.0, 7.0, 14.0, 21.0, 30.0};
+constexpr std::size_t kWays = kSlips.size() * kSlipAngles.size();
 
 std::size_t index(const char* name) { return campaign::contract().variable_index(name); }
 
@@ -75,6 +78,17 @@ double standing(const vehicle::VehicleNumbers& v, double along, double across) {
                    v.track / 2 / v.centre_height - std::abs(across)});
 }
 
+/// Appends the wheel of a vehicle that turns in this way under this load, over the mean wheel's. point: the vehicle's.
+void append_wheel(const std::vector<double>& point, double load, std::size_t way, std::vector<double>& wheels) {
+  static const std::size_t load_at = index("load_number"), slip = index("single_wheel_slip"),
+                           angle = index("single_wheel_slip_angle");
+  const std::size_t first = wheels.size();
+  wheels.insert(wheels.end(), point.begin(), point.end());
+  wheels[first + load_at] *= load;
+  wheels[first + slip] = kSlips[way % kSlips.size()];
+  wheels[first + angle] = kSlipAngles[way / kSlips.size()];
+}
+
 }  // namespace
 
 bool are_of_wheels(const std::vector<campaign::TrialRecord>& records) {
@@ -92,6 +106,7 @@ ComposedVehicle::ComposedVehicle(const std::vector<campaign::TrialRecord>& wheel
   const TrainingData data = checked(wheels, where);
   for (std::size_t v = 0; v < data.lower.size(); ++v) box_.push_back({data.lower[v], data.upper[v]});
   pull_ = fit(data, box_, measures(wheels, "pull"));
+  side_force_ = fit(data, box_, measures(wheels, "side_force"));
   sinkage_ = fit(data, box_, measures(wheels, "sinkage"));
 }
 
@@ -99,52 +114,47 @@ std::vector<double> ComposedVehicle::pull(std::span<const double> points) const 
   return pull_(wheel_inputs(points, box_));
 }
 
+std::vector<double> ComposedVehicle::side_force(std::span<const double> points) const {
+  return side_force_(wheel_inputs(points, box_));
+}
+
 std::vector<double> ComposedVehicle::sinkage(std::span<const double> points) const {
   return sinkage_(wheel_inputs(points, box_));
 }
 
+ComposedMargins ComposedVehicle::margins_of(std::span<const double> asked) const {
+  std::vector<double> point(asked.begin(), asked.end());
+  const vehicle::VehicleNumbers numbers = campaign::vehicle_at({.variables = point});
+  const double slope = to_radians(point[index("slope_along")]), grade = std::tan(slope),
+               across = std::tan(to_radians(point[index("slope_across")])),
+               speed = point[index("commanded_speed")] / unit_speed_;
+  // At the wheels' size, with equal c / (rho g D) and v / sqrt(g D).
+  point[index("cohesion")] *= scale_;
+  point[index("bed_depth")] *= scale_;
+  point[index("commanded_speed")] *= std::sqrt(scale_);
+  const std::vector<double> shares = vehicle::axle_shares(numbers, slope), loads = vehicle::axle_loads(shares);
+  std::vector<double> wheels, best_wheels;
+  for (const double load : loads)
+    for (std::size_t way = 0; way < kWays; ++way) append_wheel(point, load, way, wheels);
+  const std::vector<double> pulls = pull(wheels), sides = side_force(wheels);
+  const auto forces = [&](std::size_t axle, std::size_t way) {
+    return vehicle::AxleForces{pulls[axle * kWays + way], sides[axle * kWays + way]};
+  };
+  const vehicle::CommonPull best = vehicle::largest_pull(shares, kWays, std::abs(across), forces);
+  for (const double load : loads) append_wheel(point, load, best.way, best_wheels);
+  const std::vector<double> depths = sinkage(best_wheels);
+  const double deepest = *std::max_element(depths.begin(), depths.end()) / wheel_diameter_;
+  return {.traction = best.pull - grade,
+          .drive = std::clamp(vehicle::drive_force(numbers, speed) - grade, -1.0, 1.0),
+          .clearance = numbers.clearance - deepest,
+          .standing = std::clamp(standing(numbers, grade, across), -1.0, 1.0)};
+}
+
 std::vector<ComposedMargins> ComposedVehicle::margins(std::span<const double> points) const {
-  static const std::size_t width = campaign::contract().variables.size(), slope_at = index("slope_along"),
-                           across_at = index("slope_across"), speed_at = index("commanded_speed"),
-                           load = index("load_number"), slip = index("single_wheel_slip"),
-                           depth_at = index("bed_depth"), cohesion = index("cohesion");
-  std::vector<double> asked, share_of;
-  std::vector<vehicle::VehicleNumbers> numbers;
-  for (std::size_t first = 0; first < points.size(); first += width) {
-    std::vector<double> x(points.begin() + std::ptrdiff_t(first), points.begin() + std::ptrdiff_t(first + width));
-    numbers.push_back(campaign::vehicle_at({.variables = x}));
-    // At the wheels' size, with equal c / (rho g D) and v / sqrt(g D).
-    x[cohesion] *= scale_;
-    x[depth_at] *= scale_;
-    x[speed_at] *= std::sqrt(scale_);
-    const double mean_load = x[load];
-    for (const double share : vehicle::axle_shares(numbers.back(), to_radians(x[slope_at]))) {
-      share_of.push_back(share);
-      x[load] = mean_load * std::max(kLeastShare, share * numbers.back().axles);
-      for (const double s : kSlips) {
-        x[slip] = s;
-        asked.insert(asked.end(), x.begin(), x.end());
-      }
-    }
-  }
-  const std::vector<double> pulls = pull(asked), depths = sinkage(asked);
+  const std::size_t width = campaign::contract().variables.size();
   std::vector<ComposedMargins> result;
-  std::size_t wheel = 0;
-  for (std::size_t n = 0; n < numbers.size(); ++n) {
-    const vehicle::VehicleNumbers& v = numbers[n];
-    const double grade = std::tan(to_radians(points[n * width + slope_at]));
-    const double across = std::tan(to_radians(points[n * width + across_at]));
-    std::array<double, kSlips.size()> total{}, depth{};
-    for (int axle = 0; axle < v.axles; ++axle, ++wheel)
-      for (std::size_t k = 0; k < kSlips.size(); ++k) {
-        total[k] += share_of[wheel] * pulls[wheel * kSlips.size() + k];
-        depth[k] = std::max(depth[k], depths[wheel * kSlips.size() + k]);
-      }
-    const std::size_t best = std::size_t(std::max_element(total.begin(), total.end()) - total.begin());
-    const double drive = vehicle::drive_force(v, points[n * width + speed_at] / unit_speed_) - grade;
-    result.push_back({total[best] - grade, std::clamp(drive, -1.0, 1.0), v.clearance - depth[best] / wheel_diameter_,
-                      std::clamp(standing(v, grade, across), -1.0, 1.0)});
-  }
+  for (std::size_t first = 0; first < points.size(); first += width)
+    result.push_back(margins_of(points.subspan(first, width)));
   return result;
 }
 

@@ -1,6 +1,11 @@
 // A vehicle of a family composed of its wheels: the coarse fidelity beside trials of whole vehicles. Regressions on
-// trials of wheels by themselves say what a wheel of these numbers pulls and how deep it stands in this soil at a given
-// slip. Statics puts wheels together: the weight of a rigid vehicle on equal springs, shifted back by the slope.
+// trials of wheels by themselves say what a wheel of these numbers pulls, along and to its side, and how deep it stands
+// in this soil at a given slip and slip angle. Statics puts wheels together: the weight of a rigid vehicle on equal
+// springs, shifted back by the slope. On a slope across, all wheels turn at the slip angle whose side force holds the
+// vehicle, and then pull less along: a vehicle that was composed without it leaned to go.
+//
+// All wheels turn at one slip, as those of the family's trials do, whose motors hold one speed. Open differentials,
+// which let the lightest wheel spin, pull less than this.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -18,7 +23,7 @@ namespace gonogo::outcome {
 
 /// What a composed vehicle has beyond what its slope needs.
 struct ComposedMargins {
-  double traction = 0;   // largest pull of its wheels over the weight, all at one slip, less tan(slope)
+  double traction = 0;   // largest pull of its wheels over the weight that the slope across leaves, less tan(slope)
   double drive = 0;      // tractive force over the weight at the commanded speed, less tan(slope), in [-1, 1]
   double clearance = 0;  // of the belly over the diameter, less the sinkage where wheels pull most
   double standing = 0;   // slope at which it tips over, less the slope, as tangents: the least of uphill, downhill and
@@ -42,15 +47,18 @@ class ComposedVehicle {
   /// The same as inputs [point count x kInputs].
   std::vector<double> inputs(std::span<const double> points) const;
 
-  /// Pull over load and sinkage over diameter of wheels. points: as those of the trials.
+  /// Pull and side force over load and sinkage [m] of wheels. points: as those of the trials.
   std::vector<double> pull(std::span<const double> points) const;
+  std::vector<double> side_force(std::span<const double> points) const;
   std::vector<double> sinkage(std::span<const double> points) const;
 
  private:
   double unit_speed_;              // sqrt(g D) of the vehicle's wheels [m/s]
   double scale_, wheel_diameter_;  // of lengths, from the vehicle's wheels to those of the trials; of these [m]
   std::vector<Range> box_;         // of the trials, by variable
-  learning::GaussianRegression pull_, sinkage_;
+  learning::GaussianRegression pull_, side_force_, sinkage_;
+
+  ComposedMargins margins_of(std::span<const double> asked) const;
 };
 
 }  // namespace gonogo::outcome

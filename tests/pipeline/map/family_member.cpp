@@ -287,7 +287,7 @@ TEST_CASE("a family's model is scored on trials of one vehicle at the vehicle's 
   double sum = 0;
   for (const TrialRecord& trial : asked.records)
     sum += std::pow(std::min(1.0, family.predictor->p_go(trial.point.variables)) - double(passes(trial.verdict)), 2);
-  const outcome::Evaluation scored = outcome::evaluate_model(family.file, asked, "fresh");
+  const outcome::Evaluation scored = outcome::evaluate_model(*family.predictor, asked, "fresh");
   CHECK(scored.trials == 400);
   CHECK(scored.scores.model().brier.value == Approx(sum / 400));
 }
@@ -332,9 +332,11 @@ TEST_CASE("a family's model is refused without a vehicle, for tracks, and where 
   CHECK(contains(refusal("m113"), "the family has whole wheeled vehicles, and this is one on tracks"));
   CHECK(read_map_request(files_of(folder, {}, "fed_alpha", "shipped")).model.vehicle == "fed_alpha");
   fs::remove(folder.path() / "data/family/dataset.h5");
-  CHECK(contains(refusal("hmmwv"), "are not beside it; give them with --dataset"));
+  const std::string no_trials =
+      "is a model of a family, and its trials, which say how vehicles are scaled, are not beside "
+      "it; put their dataset.h5 into its folder";
+  CHECK(contains(refusal("hmmwv"), no_trials));
   const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm/fresh.h5";
-  CHECK(contains(input_error([&] { read_trials_for(read_trained_model(model), fresh); }),
-                 "is a model of a family, whose trials are not beside it; put their dataset.h5 into its folder"));
+  CHECK(contains(input_error([&] { read_trials_for(read_trained_model(model), fresh); }), no_trials));
   CHECK_FALSE(fs::exists(folder / "refused"));
 }
