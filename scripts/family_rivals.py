@@ -7,19 +7,24 @@
 
 Semi-empirical relations give a margin (pipeline/map/rivals.h has the sources). As a forecast of P(go) each gets a
 logistic curve of its margin, fitted to the trials of the family: the best that a user of the relation could do who has
-these trials. `accuracy` is that of the relation as published: go where the margin is positive. Boosted trees are
-scikit-learn's, on the same variables and trials; the Gaussian process is that of `gonogo evaluate`.
+these trials. `accuracy` is that of the relation as published: go where the margin is positive. Boosted trees and the
+Gaussian process are scikit-learn's, on the same variables and trials.
 """
 import argparse
 import csv
-import json
 import pathlib
 import subprocess
 import tempfile
+import warnings
 
 import numpy
 from sklearn.ensemble import HistGradientBoostingClassifier
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.gaussian_process import GaussianProcessClassifier
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 from sklearn.linear_model import LogisticRegression
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
 
 RELATIONS = ["cone_index", "drove_sand", "drove_clay", "bekker_wong"]
 # P(go) rises (1) or falls (-1) with these.
@@ -33,12 +38,6 @@ def table(gonogo, model, dataset, folder):
     with open(out) as file:
         rows = list(csv.DictReader(file))
     return {name: numpy.array([float(row[name]) for row in rows]) for name in rows[0]}
-
-
-def gaussian_process(gonogo, model, dataset):
-    answer = subprocess.run([gonogo, "evaluate", "--model", model, "--dataset", dataset, "--json"], check=True,
-                            capture_output=True, text=True)
-    return json.loads(answer.stdout)["scores"]
 
 
 def brier(p, y):
@@ -72,8 +71,11 @@ def forecasts(train, asked):
     trees = HistGradientBoostingClassifier(learning_rate=0.05, max_iter=300, max_leaf_nodes=15, min_samples_leaf=10,
                                            l2_regularization=1.0, monotonic_cst=[MONOTONE.get(n, 0) for n in variables],
                                            random_state=1)
-    trees.fit(numpy.column_stack([train[n] for n in variables]), y)
-    yield "boosted trees", trees.predict_proba(numpy.column_stack([asked[n] for n in variables]))[:, 1], None
+    process = make_pipeline(StandardScaler(), GaussianProcessClassifier(
+        ConstantKernel(4.0, (0.1, 1e3)) * RBF([3.0] * len(variables), (0.3, 100)), random_state=1))
+    inside, outside = (numpy.column_stack([t[n] for n in variables]) for t in (train, asked))
+    for name, forecaster in (("boosted trees", trees), ("Gaussian process", process)):
+        yield name, forecaster.fit(inside, y).predict_proba(outside)[:, 1], None
 
 
 def main():
@@ -82,6 +84,7 @@ def main():
     parser.add_argument("--model", required=True, help="folder of the family's model, with its trials")
     parser.add_argument("--gonogo", default="build/cpu-release/gonogo")
     options = parser.parse_args()
+    warnings.simplefilter("ignore", ConvergenceWarning)  # variables that tell nothing get the longest length allowed
     with tempfile.TemporaryDirectory() as folder:
         train = table(options.gonogo, options.model, str(pathlib.Path(options.model) / "dataset.h5"), folder)
         for entry in options.datasets:
@@ -92,9 +95,6 @@ def main():
             print(line("family", asked["p_go"], y, numpy.mean((asked["p_go"] > 0.5) == y)))
             for name, p, accuracy in forecasts(train, asked):
                 print(line(name.replace("_", " "), p, y, accuracy))
-            scores = gaussian_process(options.gonogo, options.model, dataset)
-            print("  gonogo evaluate:", ", ".join(f"{who.replace('_', ' ')} {s['brier']['value']:.4f}"
-                                                  for who, s in scores.items() if isinstance(s, dict) and "brier" in s))
 
 
 if __name__ == "__main__":

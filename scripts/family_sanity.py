@@ -9,6 +9,7 @@ the first two may be steeper, the third not less steep, beyond half a degree. Pu
 """
 import argparse
 import csv
+import json
 import math
 import pathlib
 import subprocess
@@ -28,6 +29,7 @@ PUBLISHED = {
     ("HMMWV M998", "firm loam"): (29, 90, "60 % grade"),
 }
 SPEED = 0.4  # over sqrt(g D): a slower vehicle is asked with the force that its power gives at its own top speed
+DEPTH = 0.4  # of soft soil over the diameter
 SLOPES = [0.5 * k for k in range(71)]
 
 
@@ -78,25 +80,27 @@ def steepest(gonogo, model, cases, folder):
     return found
 
 
-def ranges_of(family):
-    import json
-    with open(family) as file:
-        return json.load(file)["ranges"]
+def read_family(file):
+    with open(file) as text:
+        family = json.load(text)
+    return family["ranges"], family["diameter_m"]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--model", required=True)
     parser.add_argument("--gonogo", default="build/cpu-release/gonogo")
+    parser.add_argument("--family", default=ROOT / "configs/families/wheeled_half_metre.json", help="that the trials drove")
     options = parser.parse_args()
     with open(ROOT / "data/wheeled_vehicles/vehicles.csv") as file:
         rows = {row["name"]: row for row in csv.DictReader(file)}
-    ranges = ranges_of(ROOT / "configs/families/wheeled.json")
+    ranges, diameter = read_family(options.family)
     cases, keys = [], []
     for name in VEHICLES:
         for soil, (angle, cohesion, density) in SOILS.items():
-            ground = {"slope_across": 0, "friction_angle": angle, "cohesion": cohesion, "relative_density": density,
-                      "tyre_friction": 0.7, "bed_depth": 0.25, "commanded_speed": SPEED * math.sqrt(9.81), "payload": 0}
+            ground = {"slope_across": 0, "friction_angle": angle, "cohesion": cohesion * diameter,
+                      "relative_density": density, "tyre_friction": 0.7, "bed_depth": DEPTH * diameter,
+                      "commanded_speed": SPEED * math.sqrt(9.81 * diameter), "payload": 0}
             base = inside(numbers(rows[name]), ranges)
             for change in ({}, {"power": 1 / 3}, {"load": 1.5}, {"width": 1.3}):
                 cases.append({**ground, **inside(changed(base, **change), ranges)})

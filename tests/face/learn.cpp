@@ -4,8 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <optional>
-#include <string>
 
 #include "tests/support/catch.h"
 
@@ -80,19 +78,9 @@ TEST_CASE("a model that the face trains beats the base rate on trials that it ha
   CHECK(evaluation.scores.front().brier.low <= evaluation.scores.front().brier_score);
 }
 
-TEST_CASE("a model that the face trains starts from the forecast of the vehicle's family") {
-  const auto folder = std::filesystem::temp_directory_path() / "gonogo_face_family";
-  const std::filesystem::path data = std::filesystem::path(GONOGO_SOURCE_DIR) / "data";
-  std::filesystem::create_directories(folder);
-  const auto trained = [&](std::optional<std::string> family, const char* name) {
-    train({.dataset = data / "hmmwv_32mm/sanity.h5", .model = folder / name, .family = std::move(family)});
-    return Model::read((folder / name).string());
-  };
-  // Two of the 13 trials cross a slope, so that the family has much to say of it.
-  const Values across = {{"slope_along", 10}, {"slope_across", 24}, {"friction_angle", 20}, {"tyre_friction", 0.3}};
-  const Model alone = trained({}, "alone.h5"), helped = trained("", "helped.h5");
-  CHECK(std::abs(alone.p_go(across) - helped.p_go(across)) > 0.01);
-  CHECK_THROWS_AS(train({.dataset = data / "quarter_wheel_90mm/dataset.h5", .model = folder / "q.h5", .family = ""}),
-                  InputError);
-  std::filesystem::remove_all(folder);
+TEST_CASE("the face asks the family of the vehicle that trials drove, and no family has a wheel by itself") {
+  const std::filesystem::path dataset = std::filesystem::path(GONOGO_SOURCE_DIR) / "data/quarter_wheel_90mm/dataset.h5";
+  for (const char* family : {"", "wheeled_family_32mm"})
+    CHECK_THROWS_WITH(train({.dataset = dataset, .model = "never.h5", .family = family}),
+                      "hmmwv_quarter: the family has whole wheeled vehicles, and this is a wheel by itself");
 }

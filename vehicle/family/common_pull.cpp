@@ -27,7 +27,8 @@ CommonPull largest_pull(std::span<const double> shares, std::size_t ways, double
   std::size_t best = 0;
   for (std::size_t way = 1; way < ways; ++way) {
     const bool holds = sum[way].side >= side, best_holds = sum[best].side >= side;
-    if (holds && best_holds ? sum[way].pull > sum[best].pull : sum[way].side > sum[best].side && !best_holds) best = way;
+    if (holds && best_holds ? sum[way].pull > sum[best].pull : sum[way].side > sum[best].side && !best_holds)
+      best = way;
   }
   return {sum[best].pull, best};
 }
