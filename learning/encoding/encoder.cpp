@@ -157,17 +157,19 @@ void Encoder::encode(int bin, std::span<Bit> units) const {
   }
 }
 
+Encoder::Place Encoder::between(double x) const {
+  Place place{bin_of(x), 0};
+  if (!categories_.empty()) return place;
+  if (x < value(place.left)) --place.left;
+  if (place.left < 0) return {0, 0};
+  if (place.left < bin_count() - 1)
+    place.share = std::clamp((x - value(place.left)) / (value(place.left + 1) - value(place.left)), 0.0, 1.0);
+  return place;
+}
+
 void Encoder::encode_smooth(double x, std::span<double> units) const {
   if (units.empty()) return;
-  int left = bin_of(x);
-  double share = 0;  // of the code word of left + 1
-  if (categories_.empty()) {
-    if (x < value(left)) --left;
-    if (left < 0)
-      left = 0;
-    else if (left < bin_count() - 1)
-      share = std::clamp((x - value(left)) / (value(left + 1) - value(left)), 0.0, 1.0);
-  }
+  const auto [left, share] = between(x);
   std::vector<Bit> word(units.size());
   encode(left, word);
   for (std::size_t k = 0; k < units.size(); ++k) units[k] = word[k];

@@ -77,6 +77,13 @@ class Encoder {
 
   /// Code word of a bin. units: [unit_count()].
   void encode(int bin, std::span<Bit> units) const;
+  /// Between the middles of two bins: `share` of left + 1, and the rest of left.
+  struct Place {
+    int left = 0;
+    double share = 0;  // in [0, 1]; 0 at the last bin
+  };
+  /// Place of x, which must not be NaN. Categories are not between each other.
+  Place between(double x) const;
   /// Linear interpolation between the code words of the two bins whose middles enclose x. Units are in [0, 1],
   /// continuous in x, and equal to the code word at the middle of a bin. Categories are not interpolated.
   void encode_smooth(double x, std::span<double> units) const;

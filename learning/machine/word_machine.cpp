@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/math/quad.h"
 #include "base/math/random.h"
 #include "base/parallel/host_loop.h"
 
@@ -15,6 +16,15 @@ std::vector<std::vector<Bit>> code_words(const Encoder& encoder) {
   for (int bin = 0; bin < encoder.bin_count(); ++bin)
     encoder.encode(bin, words.emplace_back(encoder.unit_count(), Bit(0)));
   return words;
+}
+
+/// Index drawn in proportion to weights, of which one is 1 and none is more. u: uniform in (0, 1).
+std::size_t draw_share(std::span<const double> weights, double u) {
+  double total = 0;
+  for (const double x : weights) total += x;
+  std::size_t k = 0;
+  for (double left = u * total - weights[0]; left >= 0 && k + 1 < weights.size();) left -= weights[++k];
+  return k;
 }
 
 std::vector<std::vector<Bit>> outcome_words(std::size_t count) {
@@ -43,7 +53,7 @@ WordMachine::WordMachine(const VisibleLayout& layout, const RbmWeights& weights,
     const Encoder& encoder = layout.encoders()[v];
     if (encoder.unit_count() == 0) continue;
     if (known.variables.empty() || std::isnan(known.variables[v])) {
-      add_group(weights, std::ptrdiff_t(v), layout.offset(v), code_words(encoder));
+      add_group(std::ptrdiff_t(v), layout.offset(v), code_words(encoder));
       continue;
     }
     std::vector<double> units(encoder.unit_count());
@@ -53,8 +63,13 @@ WordMachine::WordMachine(const VisibleLayout& layout, const RbmWeights& weights,
   if (known.outcome)
     add_known(layout.input_unit_count() + *known.outcome, 1);
   else if (layout.outcome_count() > 0)
-    add_group(weights, -1, layout.input_unit_count(), outcome_words(layout.outcome_count()));
-  transpose_fields();
+    add_group(-1, layout.input_unit_count(), outcome_words(layout.outcome_count()));
+  take_fields(weights);
+}
+
+void WordMachine::set_weights(const RbmWeights& weights) {
+  hidden_bias_ = weights.hidden_bias;
+  take_fields(weights);
 }
 
 WordMachine::WordMachine(const std::vector<std::size_t>& lengths, std::vector<double> word_bias,
@@ -76,23 +91,38 @@ void WordMachine::transpose_fields() {
     for (std::size_t j = 0; j < hidden; ++j) hidden_field_[j * word_count() + w] = field_[w * hidden + j];
 }
 
-void WordMachine::add_group(const RbmWeights& weights, std::ptrdiff_t variable, std::size_t offset,
-                            const std::vector<std::vector<Bit>>& words) {
-  const std::size_t hidden = hidden_count();
-  groups_.push_back({variable, word_count(), words.size()});
+void WordMachine::add_group(std::ptrdiff_t variable, std::size_t offset, const std::vector<std::vector<Bit>>& words) {
+  groups_.push_back({variable, units_.size(), words.size()});
   offset_.push_back(offset);
-  for (const std::vector<Bit>& word : words) {
-    const std::size_t at = field_.size();
-    field_.resize(at + hidden, 0.0);
-    double bias = 0;
-    for (std::size_t k = 0; k < word.size(); ++k) {
-      if (!word[k]) continue;
-      bias += weights.visible_bias[offset + k];
-      for (std::size_t j = 0; j < hidden; ++j) field_[at + j] += weights.weight[(offset + k) * hidden + j];
-    }
-    word_bias_.push_back(bias);
-    units_.push_back(word);
-  }
+  units_.insert(units_.end(), words.begin(), words.end());
+}
+
+void WordMachine::take_fields(const RbmWeights& weights) {
+  const std::size_t hidden = hidden_count();
+  word_bias_.assign(units_.size(), 0.0);
+  field_.assign(units_.size() * hidden, 0.0);
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    for (std::size_t w = groups_[g].first; w < groups_[g].first + groups_[g].length; ++w)
+      for (std::size_t k = 0; k < units_[w].size(); ++k) {
+        if (!units_[w][k]) continue;
+        word_bias_[w] += weights.visible_bias[offset_[g] + k];
+        const double* from = weights.weight.data() + (offset_[g] + k) * hidden;
+        for (std::size_t j = 0; j < hidden; ++j) field_[w * hidden + j] += from[j];
+      }
+  transpose_fields();
+}
+
+void WordMachine::add_by_unit(std::span<const double> field, std::size_t stride, std::span<const double> bias,
+                              RbmWeights& sum) const {
+  const std::size_t hidden = hidden_count();
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    for (std::size_t w = groups_[g].first; w < groups_[g].first + groups_[g].length; ++w)
+      for (std::size_t k = 0; k < units_[w].size(); ++k) {
+        if (!units_[w][k]) continue;
+        sum.visible_bias[offset_[g] + k] += bias[w];
+        double* to = sum.weight.data() + (offset_[g] + k) * hidden;
+        for (std::size_t j = 0; j < hidden; ++j) to[j] += field[w * stride + j];
+      }
 }
 
 double WordMachine::log_weight(std::span<const std::uint16_t> words, double beta) const {
@@ -118,11 +148,9 @@ void WordMachine::write_units(std::span<const std::uint16_t> words, std::span<Bi
 
 std::size_t draw_word(std::span<double> scores, double u) {
   const double highest = *std::max_element(scores.begin(), scores.end());
-  double total = 0;
-  for (double& x : scores) total += x = std::exp(x - highest);
-  std::size_t k = 0;
-  for (double left = u * total - scores[0]; left >= 0 && k + 1 < scores.size();) left -= scores[++k];
-  return k;
+  for (double& x : scores) x -= highest;
+  take_exponentials(scores);
+  return draw_share(scores, u);
 }
 
 namespace {
@@ -131,9 +159,25 @@ constexpr std::uint64_t kStarts = std::uint64_t(1) << 62;  // rows of random num
 
 /// Work space of one chain.
 struct Space {
-  std::vector<double> field;  // [hidden]
-  std::vector<double> score;  // [word]
+  std::vector<double> field, on;   // [hidden]: fields, and 1 + exp(-beta field)
+  std::vector<double> score;       // [word]
+  std::vector<const double*> add;  // fields of the hidden units that are on
 };
+
+/// score += the sum of these lists, which are as long. Sums stay in registers for kBlock words at a time.
+void add_all(const std::vector<const double*>& add, std::vector<double>& score) {
+  constexpr std::size_t kBlock = 4 * kQuad;
+  std::size_t w = 0;
+  for (; w + kBlock <= score.size(); w += kBlock) {
+    Quad sum[4];
+    for (std::size_t k = 0; k < 4; ++k) sum[k] = load_quad(score.data() + w + k * kQuad);
+    for (const double* from : add)
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += load_quad(from + w + k * kQuad);
+    for (std::size_t k = 0; k < 4; ++k) store_quad(sum[k], score.data() + w + k * kQuad);
+  }
+  for (; w < score.size(); ++w)
+    for (const double* from : add) score[w] += from[w];
+}
 
 void sweep(const WordMachine& machine, double beta, ChainRandom& random, std::span<std::uint16_t> words, Space& space) {
   const std::span<const double> bias = machine.hidden_bias(), word_bias = machine.word_bias();
@@ -143,16 +187,23 @@ void sweep(const WordMachine& machine, double beta, ChainRandom& random, std::sp
     const auto add = machine.field(groups[g].first + words[g]);
     for (std::size_t j = 0; j < add.size(); ++j) space.field[j] += add[j];
   }
+  space.on.resize(space.field.size());
+  for (std::size_t j = 0; j < space.on.size(); ++j) space.on[j] = -beta * space.field[j];
+  take_exponentials(space.on);
+  space.add.clear();
+  for (std::size_t j = 0; j < space.on.size(); ++j)
+    if (random(j) * (1 + space.on[j]) < 1) space.add.push_back(machine.hidden_field(j).data());
   space.score.assign(word_bias.begin(), word_bias.end());
-  for (std::size_t j = 0; j < space.field.size(); ++j) {
-    if (random(j) * (1 + std::exp(-beta * space.field[j])) >= 1) continue;  // unit j is off
-    const auto add = machine.hidden_field(j);
-    for (std::size_t w = 0; w < add.size(); ++w) space.score[w] += add[w];
+  add_all(space.add, space.score);
+  for (const WordGroup& group : groups) {
+    const auto scores = std::span(space.score).subspan(group.first, group.length);
+    const double highest = *std::max_element(scores.begin(), scores.end());
+    for (double& x : scores) x = beta * (x - highest);
   }
-  for (double& x : space.score) x *= beta;
+  take_exponentials(space.score);
   for (std::size_t g = 0; g < groups.size(); ++g)
-    words[g] = std::uint16_t(draw_word(std::span(space.score).subspan(groups[g].first, groups[g].length),
-                                       random(machine.hidden_count() + g)));
+    words[g] = std::uint16_t(draw_share(std::span<const double>(space.score).subspan(groups[g].first, groups[g].length),
+                                        random(machine.hidden_count() + g)));
 }
 
 }  // namespace
@@ -184,7 +235,7 @@ void WordChains::exchange(const WordMachine& machine, std::size_t chain, std::si
 }
 
 void WordChains::run_chain(const WordMachine& machine, std::size_t sweeps, std::size_t chain) {
-  Space space;
+  static thread_local Space space;
   ChainRandom random(seed_, chain, machine.hidden_count() + groups_ + 1);
   for (std::size_t s = 0; s < sweeps; ++s) {
     const std::uint64_t number = sweeps_done_ + s;
@@ -202,7 +253,8 @@ void WordChains::run_chain(const WordMachine& machine, std::size_t sweeps, std::
 void WordChains::run(const WordMachine& machine, std::size_t sweeps) {
   if (words_.empty()) start(machine);
   GONOGO_ASSERT(machine.groups().size() == groups_);
-  for_each_on_host(chains_, 1, [&](std::size_t chain) { run_chain(machine, sweeps, chain); });
+  constexpr std::size_t kChainsAtOnce = 32;  // a sweep of one takes a microsecond or two
+  for_each_on_host(chains_, kChainsAtOnce, [&](std::size_t chain) { run_chain(machine, sweeps, chain); });
   sweeps_done_ += sweeps;
 }
 

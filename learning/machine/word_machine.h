@@ -39,6 +39,9 @@ class WordMachine {
   WordMachine(const std::vector<std::size_t>& lengths, std::vector<double> word_bias, std::vector<double> field,
               std::vector<double> hidden_bias);
 
+  /// Takes other weights of the same layout. For machines of which nothing is known.
+  void set_weights(const RbmWeights& weights);
+
   const std::vector<WordGroup>& groups() const { return groups_; }
   std::size_t word_count() const { return word_bias_.size(); }  // of all groups
   std::size_t hidden_count() const { return hidden_bias_.size(); }
@@ -58,11 +61,15 @@ class WordMachine {
   /// The row's units of free variables and of the outcome. units: [unit_count()] of the layout; others stay as they
   /// are.
   void write_units(std::span<const std::uint16_t> words, std::span<Bit> units) const;
+  /// Adds to every unit what the words have in which it is on. field: [word x stride], of which hidden_count() count;
+  /// bias: [word].
+  void add_by_unit(std::span<const double> field, std::size_t stride, std::span<const double> bias,
+                   RbmWeights& sum) const;
 
  private:
   void transpose_fields();
-  void add_group(const RbmWeights& weights, std::ptrdiff_t variable, std::size_t offset,
-                 const std::vector<std::vector<Bit>>& words);
+  void add_group(std::ptrdiff_t variable, std::size_t offset, const std::vector<std::vector<Bit>>& words);
+  void take_fields(const RbmWeights& weights);
 
   std::vector<WordGroup> groups_;
   std::vector<std::size_t> offset_;      // [group] first unit in the layout

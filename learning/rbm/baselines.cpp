@@ -64,13 +64,12 @@ LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> labe
   static_cast<Standardisation&>(model) = standardisation_of(table);
   const std::vector<std::size_t> varying = varying_columns(table, model);
   const std::int64_t rows = std::int64_t(table.row_count()), columns = std::int64_t(varying.size()) + 1;
-  torch::Tensor x = torch::ones({rows, columns}, torch::kFloat64), y = torch::zeros({rows}, torch::kFloat64);
+  torch::Tensor x = torch::ones({rows, columns}, torch::kFloat64);
+  const torch::Tensor y = torch::tensor(std::vector<double>(label.begin(), label.end()), torch::kFloat64);
   auto cell = x.accessor<double, 2>();
-  for (std::int64_t n = 0; n < rows; ++n) {
+  for (std::int64_t n = 0; n < rows; ++n)
     for (std::size_t v = 0; v < varying.size(); ++v)
       cell[n][std::int64_t(v)] = model.standardised(varying[v], table.row(std::size_t(n))[varying[v]]);
-    y[n] = label[std::size_t(n)];
-  }
   const torch::Tensor row_weight = torch::tensor(table.weight, torch::kFloat64);
   torch::Tensor penalty = torch::full({columns}, ridge, torch::kFloat64);
   penalty[columns - 1] = 1e-9;  // keeps the system solvable when only one class occurs

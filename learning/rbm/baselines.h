@@ -18,23 +18,28 @@ struct Standardisation {
 
 Standardisation standardisation_of(const TrainingTable& table);
 
+/// Writes the forecast of every row of fold `without` by a model that `fit` makes from the other folds. result: [row].
+template <class Fit>
+void forecast_fold(const TrainingTable& table, std::span<const int> label, const std::vector<std::size_t>& fold,
+                   std::size_t without, const Fit& fit, std::span<double> result) {
+  std::vector<std::size_t> training;
+  std::vector<int> training_label;
+  for (std::size_t n = 0; n < fold.size(); ++n) {
+    if (fold[n] == without) continue;
+    training.push_back(n);
+    training_label.push_back(label[n]);
+  }
+  const auto model = fit(table.subset(training), std::span<const int>(training_label));
+  for (std::size_t n = 0; n < fold.size(); ++n)
+    if (fold[n] == without) result[n] = model(table.row(n));
+}
+
 /// Forecast of every row by a model that `fit` makes from the other folds.
 template <class Fit>
 std::vector<double> out_of_fold(const TrainingTable& table, std::span<const int> label,
-                                const std::vector<std::size_t>& fold, std::size_t fold_count, Fit fit) {
+                                const std::vector<std::size_t>& fold, std::size_t fold_count, const Fit& fit) {
   std::vector<double> result(table.row_count());
-  for (std::size_t f = 0; f < fold_count; ++f) {
-    std::vector<std::size_t> training;
-    std::vector<int> training_label;
-    for (std::size_t n = 0; n < fold.size(); ++n) {
-      if (fold[n] == f) continue;
-      training.push_back(n);
-      training_label.push_back(label[n]);
-    }
-    const auto model = fit(table.subset(training), std::span<const int>(training_label));
-    for (std::size_t n = 0; n < fold.size(); ++n)
-      if (fold[n] == f) result[n] = model(table.row(n));
-  }
+  for (std::size_t f = 0; f < fold_count; ++f) forecast_fold(table, label, fold, f, fit, result);
   return result;
 }
 

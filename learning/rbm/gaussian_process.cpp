@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <cstring>
 
 #include "base/error.h"
 #include "base/progress.h"
@@ -16,7 +16,107 @@ namespace {
 constexpr std::uint64_t kSearchRows = 0x67707277;  // stream of random numbers
 constexpr std::int64_t kBlock = 512;               // points whose variances are worked out together
 constexpr int kNewtonSteps = 100;
-constexpr double kEnough = 1e-9;  // relative change of the log posterior that ends Newton's method
+constexpr auto kSearched = torch::kFloat32;  // of a classifier's matrices while its lengths are searched
+
+// Kernels.
+
+/// Columns of rows times the inverse lengths, each padded by zeros to whole blocks: [variable][row]. Variables that do
+/// not differ between rows are left out.
+template <class T>
+struct Columns {
+  typedef T Lanes __attribute__((vector_size(32)));  // an alias would lose the attribute
+  static constexpr std::int64_t kLanes = sizeof(Lanes) / sizeof(T), kRegisters = 4, kBlock = kLanes * kRegisters;
+  std::int64_t padded;
+  std::vector<T> value;
+  Columns(const torch::Tensor& rows, const KernelLogs& logs, const std::vector<std::int64_t>& variables)
+      : padded((rows.size(0) + kBlock - 1) / kBlock * kBlock), value(std::size_t(padded) * variables.size(), T(0)) {
+    const auto cell = rows.accessor<T, 2>();
+    T* column = value.data();
+    for (const std::int64_t v : variables) {
+      const double inverse = std::exp(-logs[std::size_t(v)]);
+      for (std::int64_t i = 0; i < rows.size(0); ++i) column[i] = T(cell[i][v] * inverse);
+      column += padded;
+    }
+  }
+};
+
+/// Variables in which a row of a differs from a row of b.
+template <class T>
+std::vector<std::int64_t> differing(const torch::Tensor& a, const torch::Tensor& b) {
+  std::vector<std::int64_t> variables;
+  const auto left = a.accessor<T, 2>(), right = b.accessor<T, 2>();
+  for (std::int64_t v = 0; v < a.size(1); ++v) {
+    bool same = true;
+    for (std::int64_t i = 0; same && i < a.size(0); ++i) same = left[i][v] == right[0][v];
+    for (std::int64_t i = 0; same && i < b.size(0); ++i) same = right[i][v] == right[0][v];
+    if (!same) variables.push_back(v);
+  }
+  return variables;
+}
+
+/// Writes log k of every row of a with every row of b: [row of a x row of b].
+template <class T>
+void fill_log_kernel(const torch::Tensor& a, const torch::Tensor& b, const KernelLogs& logs, torch::Tensor& result) {
+  using Lanes = typename Columns<T>::Lanes;
+  constexpr std::int64_t kLanes = Columns<T>::kLanes, kRegisters = Columns<T>::kRegisters, kBlock = Columns<T>::kBlock;
+  const std::int64_t rows = a.size(0), columns = b.size(0);
+  if (rows == 0 || columns == 0) return;
+  const std::vector<std::int64_t> variables = differing<T>(a, b);
+  const Columns<T> left(a, logs, variables), right(b, logs, variables);
+  const T log_variance = T(logs.back());
+  T* out = result.data_ptr<T>();
+  for (std::int64_t i = 0; i < rows; ++i, out += columns)
+    for (std::int64_t first = 0; first < columns; first += kBlock) {
+      Lanes square[kRegisters] = {};
+      const T *x = left.value.data() + i, *y = right.value.data() + first;
+      for (std::size_t v = 0; v < variables.size(); ++v, x += left.padded, y += right.padded)
+#pragma GCC unroll 4
+        for (std::int64_t k = 0; k < kRegisters; ++k) {
+          Lanes apart;
+          std::memcpy(&apart, y + k * kLanes, sizeof apart);
+          apart = *x - apart;
+          square[k] += apart * apart;
+        }
+      for (Lanes& lanes : square) lanes = log_variance - T(0.5) * lanes;
+      std::memcpy(out + first, square, std::size_t(std::min(kBlock, columns - first)) * sizeof(T));
+    }
+}
+
+/// k of every row of a with every row of b. a: [n x variable], b: [m x variable]; result [n x m].
+void fill_kernel(const torch::Tensor& a, const torch::Tensor& b, const KernelLogs& logs, torch::Tensor& result) {
+  AT_DISPATCH_FLOATING_TYPES(a.scalar_type(), "kernel", [&] { fill_log_kernel<scalar_t>(a, b, logs, result); });
+  result.exp_();
+}
+torch::Tensor kernel(const torch::Tensor& a, const torch::Tensor& b, const KernelLogs& logs) {
+  torch::Tensor result = torch::empty({a.size(0), b.size(0)}, a.options());
+  fill_kernel(a, b, logs, result);
+  return result;
+}
+
+/// Matrices of a number of rows. They are written again and again, since fresh memory of megabytes costs as much as a
+/// pass over them.
+struct Matrices {
+  torch::Tensor K;          // the kernel
+  torch::Tensor lower;      // a Cholesky factor
+  torch::Tensor symmetric;  // what it is the factor of, then the inverse of that
+  torch::Tensor failure = torch::zeros({}, torch::kInt32);
+  Matrices(std::int64_t rows, torch::Dtype type)
+      : K(torch::empty({rows, rows}, type)),
+        lower(torch::empty({rows, rows}, type).t()),  // in the order of LAPACK, so that nothing is reordered
+        symmetric(torch::empty({rows, rows}, type)) {}
+
+  /// Factorises `symmetric`. Whether it is positive definite.
+  bool factorise() {
+    torch::Tensor transposed = symmetric.t();
+    at::linalg_cholesky_ex_out(lower, failure, transposed);
+    return failure.item<int>() == 0;
+  }
+  /// Overwrites `symmetric` with its inverse.
+  void invert() {
+    torch::Tensor transposed = symmetric.t();
+    at::cholesky_inverse_out(transposed, lower);
+  }
+};
 
 // Laplace's approximation of the posterior. Equations: Rasmussen & Williams (2006), chapters 3 and 5.
 
@@ -29,18 +129,22 @@ struct RowLikelihood {
   torch::Tensor third(const torch::Tensor& f) const;      // d3 / df3
 };
 
-/// The mode of the posterior: f = m + K a, with root = W^1/2 and lower = the Cholesky factor of B = I + W^1/2 K W^1/2.
+/// The mode of the posterior: f = m + K a, with root = W^1/2. Matrices::lower is then the Cholesky factor of
+/// B = I + W^1/2 K W^1/2.
 struct Mode {
-  torch::Tensor f{}, a{}, root{}, lower{};
+  torch::Tensor f{}, a{}, root{};
   double log_posterior = 0;  // -1/2 a.(f - m) + log likelihood
+  bool found = true;         // or a factorisation failed
 };
 
-/// A number per variable from the first numbers of `logs`: 1 / l_v.
-torch::Tensor inverse_lengths(const KernelLogs& logs) {
-  std::vector<double> inverse;
-  for (std::size_t v = 0; v + 1 < logs.size(); ++v) inverse.push_back(std::exp(-logs[v]));
-  return torch::tensor(inverse, torch::kFloat64);
-}
+/// When Newton's method ends.
+struct Precision {
+  double gain;          // of the log posterior in a step, over 1 + its size
+  bool factor_at_mode;  // or where the last step began
+};
+constexpr Precision kExact = {1e-9, true};
+/// The evidence is then known to some 0.001 nat, a tenth of what ends a search.
+constexpr Precision kRough = {1e-7, false};
 
 double scalar_product(const torch::Tensor& a, const torch::Tensor& b) { return torch::dot(a, b).item<double>(); }
 
@@ -49,29 +153,23 @@ torch::Tensor solve(const torch::Tensor& lower, const torch::Tensor& b) {
   return torch::cholesky_solve(b.unsqueeze(1), lower).squeeze(1);
 }
 
-void factorise(const torch::Tensor& K, const torch::Tensor& curvature, Mode& mode) {
+void factorise(Matrices& matrices, const torch::Tensor& curvature, Mode& mode) {
   mode.root = curvature.sqrt();
-  torch::Tensor B = K * mode.root.unsqueeze(0);
-  B.mul_(mode.root.unsqueeze(1)).diagonal().add_(1);
-  mode.lower = torch::linalg_cholesky(B);
+  AT_DISPATCH_FLOATING_TYPES(curvature.scalar_type(), "factorise", [&] {
+    const scalar_t *root = mode.root.data_ptr<scalar_t>(), *from = matrices.K.data_ptr<scalar_t>();
+    scalar_t* to = matrices.symmetric.data_ptr<scalar_t>();
+    const std::int64_t rows = curvature.size(0);
+    for (std::int64_t i = 0; i < rows; ++i, from += rows, to += rows)
+      for (std::int64_t j = 0; j < rows; ++j) to[j] = from[j] * (root[i] * root[j]);
+  });
+  matrices.symmetric.diagonal().add_(1);
+  mode.found = matrices.factorise();
 }
 
 /// m: the mean of f.
 double log_posterior(const RowLikelihood& likelihood, const torch::Tensor& a, const torch::Tensor& f,
                      const torch::Tensor& m) {
   return likelihood.value(f) - 0.5 * scalar_product(a, f - m);
-}
-
-/// k of every row of a with every row of b. a: [n x variable], b: [m x variable]; result [n x m].
-torch::Tensor kernel(const torch::Tensor& a, const torch::Tensor& b, const KernelLogs& logs) {
-  const torch::Tensor inverse = inverse_lengths(logs);
-  torch::Tensor square = torch::zeros({a.size(0), b.size(0)}, torch::kFloat64);
-  for (std::int64_t v = 0; v < a.size(1); ++v) {
-    const torch::Tensor difference =
-        a.select(1, v).mul(inverse[v]).unsqueeze(1) - b.select(1, v).mul(inverse[v]).unsqueeze(0);
-    square.addcmul_(difference, difference);
-  }
-  return square.mul_(-0.5).add_(logs.back()).exp_();
 }
 
 double RowLikelihood::value(const torch::Tensor& f) const {
@@ -86,15 +184,17 @@ torch::Tensor RowLikelihood::third(const torch::Tensor& f) const {
 }
 
 /// Newton's method (algorithm 3.1) from `start` [row], or from the mean m [row] if that is undefined. A step that
-/// lowers the posterior is halved.
-Mode find_mode(const torch::Tensor& K, const RowLikelihood& likelihood, const torch::Tensor& m,
-               const torch::Tensor& start) {
+/// lowers the posterior is halved. matrices: of the kernel.
+Mode find_mode(Matrices& matrices, const RowLikelihood& likelihood, const torch::Tensor& m, const torch::Tensor& start,
+               const Precision& precision) {
+  const torch::Tensor& K = matrices.K;
   Mode mode{.f = start.defined() ? start : m, .log_posterior = -INFINITY};
   for (int step = 0; step < kNewtonSteps; ++step) {
     const torch::Tensor W = likelihood.curvature(mode.f);
-    factorise(K, W, mode);
+    factorise(matrices, W, mode);
+    if (!mode.found) return mode;
     const torch::Tensor b = W * (mode.f - m) + likelihood.slope(mode.f);
-    torch::Tensor a = b - mode.root * solve(mode.lower, mode.root * torch::mv(K, b));
+    torch::Tensor a = b - mode.root * solve(matrices.lower, mode.root * torch::mv(K, b));
     torch::Tensor f = m + torch::mv(K, a);
     double now = log_posterior(likelihood, a, f, m);
     for (int half = 0; half < 30 && mode.a.defined() && now < mode.log_posterior; ++half) {
@@ -102,45 +202,64 @@ Mode find_mode(const torch::Tensor& K, const RowLikelihood& likelihood, const to
       f = 0.5 * (f + mode.f);
       now = log_posterior(likelihood, a, f, m);
     }
-    const bool done = std::abs(now - mode.log_posterior) <= kEnough * (1 + std::abs(now));
+    const bool done = std::abs(now - mode.log_posterior) <= precision.gain * (1 + std::abs(now));
     mode.a = a;
     mode.f = f;
     mode.log_posterior = now;
-    if (done) break;
+    mode.found = std::isfinite(now);
+    if (done || !mode.found) break;
   }
-  factorise(K, likelihood.curvature(mode.f), mode);
+  if (precision.factor_at_mode) factorise(matrices, likelihood.curvature(mode.f), mode);
   return mode;
 }
 
-/// sum_ab M_ab dK_ab / d log l_v of every variable, for Q = M K by elements: dK / d log l = K (z - z')^2 / l^2.
-std::vector<double> length_slopes(const torch::Tensor& Z, const torch::Tensor& Q, const std::vector<double>& logs) {
-  const torch::Tensor both = Q.sum(0) + Q.sum(1);
+/// sum_ab Q_ab (z_a - z_b)^2 / l^2 of every variable, which are the derivatives by log l_v where Q = M K by elements;
+/// then sum_ab Q_ab.
+std::vector<double> kernel_slopes(const torch::Tensor& Z, const torch::Tensor& Q, const std::vector<double>& logs) {
+  const std::int64_t variables = Z.size(1);
+  const torch::Tensor ones = torch::ones({Z.size(0), 1}, Z.options()), squares = Z.square();
+  // Columns: Q Z, Q Z^2 and Q 1.
+  const torch::Tensor sums = torch::matmul(Q, torch::cat({Z, squares, ones}, 1));
+  const torch::Tensor row_sums = sums.slice(1, 2 * variables);
+  const std::vector<double> apart =
+      values_of((squares * row_sums + sums.slice(1, variables, 2 * variables) - 2 * Z * sums.slice(1, 0, variables))
+                    .sum(0)
+                    .to(torch::kFloat64));
   std::vector<double> slopes;
-  for (std::int64_t j = 0; j < Z.size(1); ++j) {
-    const torch::Tensor z = Z.select(1, j).contiguous();
-    const double apart = scalar_product(z.square(), both) - 2 * scalar_product(z, torch::mv(Q, z));
-    slopes.push_back(apart * std::exp(-2 * logs[std::size_t(j)]));
-  }
+  for (std::size_t v = 0; v < apart.size(); ++v) slopes.push_back(apart[v] * std::exp(-2 * logs[v]));
+  slopes.push_back(row_sums.sum().item<double>());
   return slopes;
 }
 
-/// Evidence and gradient at a mode (equation 3.32 and algorithm 5.1). Z: [row x variable].
-LaplaceEvidence evidence_at(const torch::Tensor& Z, const torch::Tensor& K, const RowLikelihood& likelihood,
+/// Overwrites R = W^1/2 B^-1 W^1/2, of which B^-1 is given, with Q = M K by elements for
+/// M = v t' + 1/2 a a' - 1/2 R.
+template <class T>
+void weigh_kernel(const T* K, const T* root, const T* v, const T* t, const T* a, std::int64_t rows, T* inverse) {
+  for (std::int64_t i = 0; i < rows; ++i, K += rows, inverse += rows)
+    for (std::int64_t j = 0; j < rows; ++j)
+      inverse[j] = K[j] * (v[i] * t[j] + T(0.5) * (a[i] * a[j] - inverse[j] * (root[i] * root[j])));
+}
+
+/// Evidence and gradient at a mode (equation 3.32 and algorithm 5.1). Z: [row x variable]. Overwrites the matrices but
+/// for the kernel.
+LaplaceEvidence evidence_at(const torch::Tensor& Z, Matrices& matrices, const RowLikelihood& likelihood,
                             const Mode& mode, const KernelLogs& logs) {
+  if (!mode.found) return {.value = -INFINITY, .gradient = std::vector<double>(logs.size(), 0.0)};
   LaplaceEvidence evidence;
-  evidence.value = mode.log_posterior - mode.lower.diagonal().log().sum().item<double>();
-  const torch::Tensor inverse = torch::cholesky_inverse(mode.lower);  // of B
+  evidence.value = mode.log_posterior - matrices.lower.diagonal().log().sum().item<double>();
+  matrices.invert();
+  const torch::Tensor &K = matrices.K, &inverse = matrices.symmetric;  // of B
   // (K^-1 + W)^-1 = W^-1/2 (I - B^-1) W^-1/2: its diagonal without another system of equations.
   const torch::Tensor variance = (1 - inverse.diagonal()) / mode.root.square().clamp_min(1e-12);
-  const torch::Tensor R = inverse.mul_(mode.root.unsqueeze(0)).mul_(mode.root.unsqueeze(1));
   const torch::Tensor s2 = 0.5 * variance * likelihood.third(mode.f);
   // Every derivative is sum_ab M_ab dK_ab: s1 and s2' s3 of algorithm 5.1 are linear in dK.
-  const torch::Tensor v = s2 - torch::mv(R, torch::mv(K, s2));
-  torch::Tensor M = torch::outer(v, likelihood.slope(mode.f));
-  M.add_(torch::outer(mode.a, mode.a), 0.5).sub_(R, 0.5);
-  const torch::Tensor Q = M.mul_(K);
-  evidence.gradient = length_slopes(Z, Q, logs);
-  evidence.gradient.push_back(Q.sum().item<double>());
+  const torch::Tensor v = s2 - mode.root * torch::mv(inverse, mode.root * torch::mv(K, s2));
+  const torch::Tensor slope = likelihood.slope(mode.f);
+  AT_DISPATCH_FLOATING_TYPES(K.scalar_type(), "evidence", [&] {
+    weigh_kernel(K.data_ptr<scalar_t>(), mode.root.data_ptr<scalar_t>(), v.data_ptr<scalar_t>(),
+                 slope.data_ptr<scalar_t>(), mode.a.data_ptr<scalar_t>(), K.size(0), inverse.data_ptr<scalar_t>());
+  });
+  evidence.gradient = kernel_slopes(Z, inverse, logs);
   return evidence;
 }
 
@@ -151,6 +270,9 @@ struct LabelledInputs {
   torch::Tensor Z;  // [row x variable], standardised
   RowLikelihood likelihood;
   torch::Tensor mean;  // of f [row]
+  LabelledInputs to(torch::Dtype type) const {
+    return {Z.to(type), {likelihood.sign.to(type), likelihood.weight.to(type)}, mean.to(type)};
+  }
 };
 
 torch::Tensor column(std::span<const double> values) {
@@ -199,43 +321,50 @@ LabelledInputs some_rows(const LabelledInputs& rows, std::size_t most, std::uint
           rows.mean.index_select(0, index)};
 }
 
-/// Evidence and its gradient at the logs of a kernel.
-using EvidenceOf = std::function<LaplaceEvidence(const std::vector<double>& logs)>;
+// Search of lengths and variances.
 
-/// The logs that maximise evidence times a normal prior of this width around `centre`.
-std::vector<double> searched(const std::vector<double>& centre, double width, std::size_t steps,
-                             const EvidenceOf& evidence_of) {
-  const torch::Tensor middle = torch::tensor(centre, torch::kFloat64);
-  torch::Tensor logs = middle.clone().set_requires_grad(true);
-  const auto values = [&] {
-    return std::vector<double>(logs.data_ptr<double>(), logs.data_ptr<double>() + logs.numel());
-  };
-  torch::optim::LBFGS optimizer(std::vector<torch::Tensor>{logs}, torch::optim::LBFGSOptions(1)
-                                                                      .max_iter(std::int64_t(steps))
-                                                                      .tolerance_grad(1e-2)
-                                                                      .tolerance_change(1e-2)
-                                                                      .line_search_fn("strong_wolfe"));
-  optimizer.step([&] {
-    stop_if_cancelled();
-    const torch::NoGradGuard constants;
-    const LaplaceEvidence evidence = evidence_of(values());
-    const torch::Tensor off = (logs.detach() - middle) / width;
-    logs.mutable_grad() = off / width - torch::tensor(evidence.gradient, torch::kFloat64);
-    return torch::tensor(0.5 * off.square().sum().item<double>() - evidence.value, torch::kFloat64);
-  });
-  return values();
+/// Numbers of rows of the stages of a search. Each begins where the one before ended: most steps are then taken on few
+/// rows, whose matrices cost an eighth.
+std::vector<std::size_t> stages(std::size_t rows, const GaussianProcessSettings& settings) {
+  constexpr std::size_t kFewest = 200;
+  std::vector<std::size_t> result{std::min(rows, settings.search_rows)};
+  while (result.front() / 2 >= kFewest) result.insert(result.begin(), result.front() / 2);
+  return result;
 }
 
-KernelLogs searched(const LabelledInputs& rows, const GaussianProcessSettings& settings) {
-  KernelLogs centre(std::size_t(rows.Z.size(1)), std::log(settings.prior_length));
+/// The logs of a search, and the rows and a of the mode found last.
+struct FoundKernel {
+  KernelLogs logs;
+  torch::Tensor Z{}, a{};
+  /// The latent function that it expects of rows. Z: [row x variable]
+  torch::Tensor expected(const LabelledInputs& rows) const {
+    if (!a.defined()) return {};
+    const auto type = rows.Z.scalar_type();
+    return rows.mean + torch::mv(kernel(rows.Z, this->Z.to(type), logs), a.to(type));
+  }
+};
+
+FoundKernel searched(const LabelledInputs& all, const GaussianProcessSettings& settings) {
+  KernelLogs centre(std::size_t(all.Z.size(1)), std::log(settings.prior_length));
   centre.push_back(std::log(settings.prior_variance));
-  torch::Tensor start;
-  return searched(centre, settings.prior_width, settings.search_steps, [&](const KernelLogs& logs) {
-    const torch::Tensor K = kernel(rows.Z, rows.Z, logs);
-    const Mode mode = find_mode(K, rows.likelihood, rows.mean, start);
-    start = mode.f;
-    return evidence_at(rows.Z, K, rows.likelihood, mode, logs);
-  });
+  KernelSearch search(std::move(centre), settings.prior_width);
+  FoundKernel found;
+  for (const std::size_t count : stages(std::size_t(all.Z.size(0)), settings)) {
+    const LabelledInputs rows = some_rows(all, count, settings.seed).to(kSearched);
+    Matrices matrices(rows.Z.size(0), kSearched);
+    torch::Tensor start = found.expected(rows), a;
+    search.run(
+        [&](const KernelLogs& logs) {
+          fill_kernel(rows.Z, rows.Z, logs, matrices.K);
+          if (a.defined()) start = rows.mean + torch::mv(matrices.K, a);
+          const Mode mode = find_mode(matrices, rows.likelihood, rows.mean, start, kRough);
+          if (mode.found) a = mode.a;
+          return evidence_at(rows.Z, matrices, rows.likelihood, mode, logs);
+        },
+        count, settings.search_steps);
+    found = {search.logs(), rows.Z, a};
+  }
+  return found;
 }
 
 /// Mean of sigmoid(f) for a normal f: 20-point Gauss-Hermite quadrature on the nodes of exp(-t^2).
@@ -261,6 +390,21 @@ struct GaussianProcessModel::Rows {
   torch::Tensor Z, slope, root, lower;  // Mode, and the slope of the log likelihood there
 };
 
+/// Makes models, which only these functions may fill.
+struct ProcessMaker {
+  static GaussianProcessModel make(const TrainingTable& table, const LabelledInputs& rows, const FoundKernel& found) {
+    GaussianProcessModel model;
+    model.scaling_ = standardisation_of(table);
+    model.logs_ = found.logs;
+    Matrices matrices(rows.Z.size(0), torch::kFloat64);
+    fill_kernel(rows.Z, rows.Z, found.logs, matrices.K);
+    const Mode mode = find_mode(matrices, rows.likelihood, rows.mean, found.expected(rows), kExact);
+    model.rows_ = std::make_shared<const GaussianProcessModel::Rows>(
+        GaussianProcessModel::Rows{rows.Z, rows.likelihood.slope(mode.f), mode.root, matrices.lower});
+    return model;
+  }
+};
+
 LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const int> label,
                                  std::span<const double> weight, const KernelLogs& logs) {
   GONOGO_ASSERT(inputs.size() == label.size() * (logs.size() - 1) && weight.size() == label.size());
@@ -268,31 +412,25 @@ LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const
   const torch::Tensor Z = torch::tensor(std::vector<double>(inputs.begin(), inputs.end()), torch::kFloat64)
                               .reshape({std::int64_t(label.size()), std::int64_t(logs.size()) - 1});
   const RowLikelihood likelihood = row_likelihood(label, weight);
-  const torch::Tensor K = kernel(Z, Z, logs);
-  return evidence_at(Z, K, likelihood, find_mode(K, likelihood, mean_or_zero({}, label.size()), {}), logs);
+  Matrices matrices(Z.size(0), torch::kFloat64);
+  fill_kernel(Z, Z, logs, matrices.K);
+  return evidence_at(Z, matrices, likelihood,
+                     find_mode(matrices, likelihood, mean_or_zero({}, label.size()), {}, kExact), logs);
 }
 
 GaussianProcessModel gaussian_process_with(const TrainingTable& table, std::span<const int> label,
                                            const KernelLogs& logs, std::span<const double> mean) {
   GONOGO_ASSERT(label.size() == table.row_count() && logs.size() == table.variable_count + 1);
   const OneTorchThread one_thread;
-  GaussianProcessModel model;
-  model.scaling_ = standardisation_of(table);
-  model.logs_ = logs;
-  const LabelledInputs rows = labelled(table, label, model.scaling_, mean);
-  const Mode mode = find_mode(kernel(rows.Z, rows.Z, logs), rows.likelihood, rows.mean, {});
-  model.rows_ = std::make_shared<const GaussianProcessModel::Rows>(
-      GaussianProcessModel::Rows{rows.Z, rows.likelihood.slope(mode.f), mode.root, mode.lower});
-  return model;
+  return ProcessMaker::make(table, labelled(table, label, standardisation_of(table), mean), {logs});
 }
 
 GaussianProcessModel fit_gaussian_process(const TrainingTable& table, std::span<const int> label,
                                           const GaussianProcessSettings& settings, std::span<const double> mean) {
   GONOGO_ASSERT(label.size() == table.row_count());
   const OneTorchThread one_thread;
-  const LabelledInputs rows =
-      some_rows(labelled(table, label, standardisation_of(table), mean), settings.search_rows, settings.seed);
-  return gaussian_process_with(table, label, searched(rows, settings), mean);
+  const LabelledInputs rows = labelled(table, label, standardisation_of(table), mean);
+  return ProcessMaker::make(table, rows, searched(rows, settings));
 }
 
 std::vector<Latent> GaussianProcessModel::latent(std::span<const double> points, std::span<const double> mean) const {
@@ -358,23 +496,36 @@ torch::Tensor noise(const torch::Tensor& inverse_weight, const std::vector<doubl
   return inverse_weight * std::exp(logs.back()) + kJitter;
 }
 
+/// Overwrites C^-1 with M = 1/2 (a a' - C^-1).
+void to_slopes(const torch::Tensor& a, torch::Tensor& inverse) {
+  const std::int64_t rows = a.size(0);
+  const double* at = a.data_ptr<double>();
+  double* out = inverse.data_ptr<double>();
+  for (std::int64_t i = 0; i < rows; ++i, out += rows)
+    for (std::int64_t j = 0; j < rows; ++j) out[j] = 0.5 * (at[i] * at[j] - out[j]);
+}
+
 /// Equation 2.30 and its gradient (5.9). t: standardised targets.
 LaplaceEvidence regression_evidence(const torch::Tensor& Z, const torch::Tensor& t, const torch::Tensor& inverse_weight,
-                                    const std::vector<double>& logs) {
+                                    const std::vector<double>& logs, Matrices& matrices) {
   const KernelLogs smooth(logs.begin(), logs.end() - 2);
-  const torch::Tensor K = kernel(Z, Z, smooth), linear = torch::matmul(Z, Z.t()).add_(1);
-  torch::Tensor all = torch::add(K, linear, std::exp(logs[logs.size() - 2]));
-  all.diagonal().add_(noise(inverse_weight, logs));
-  const torch::Tensor lower = torch::linalg_cholesky(all), inverse = torch::cholesky_inverse(lower);
-  const torch::Tensor a = torch::mv(inverse, t);
+  const double trend = std::exp(logs[logs.size() - 2]), level = std::exp(logs.back());
+  fill_kernel(Z, Z, smooth, matrices.K);
+  torch::addmm_out(matrices.symmetric, matrices.K, Z, Z.t(), 1, trend);
+  matrices.symmetric.add_(trend).diagonal().add_(noise(inverse_weight, logs));
+  if (!matrices.factorise()) return {.value = -INFINITY, .gradient = std::vector<double>(logs.size(), 0.0)};
+  matrices.invert();
+  torch::Tensor& M = matrices.symmetric;
+  const torch::Tensor a = torch::mv(M, t);
   LaplaceEvidence evidence;
-  evidence.value = -0.5 * scalar_product(t, a) - lower.diagonal().log().sum().item<double>();
-  const torch::Tensor M = 0.5 * (torch::outer(a, a) - inverse);
-  const torch::Tensor Q = M * K;
-  evidence.gradient = length_slopes(Z, Q, logs);
-  evidence.gradient.push_back(Q.sum().item<double>());
-  evidence.gradient.push_back((M * linear).sum().item<double>() * std::exp(logs[logs.size() - 2]));
-  evidence.gradient.push_back((M.diagonal() * inverse_weight).sum().item<double>() * std::exp(logs.back()));
+  evidence.value = -0.5 * scalar_product(t, a) - matrices.lower.diagonal().log().sum().item<double>();
+  to_slopes(a, M);
+  const torch::Tensor of_noise = (M.diagonal() * inverse_weight).sum();
+  const torch::Tensor with_ones = torch::cat({Z, torch::ones({Z.size(0), 1}, Z.options())}, 1);
+  const torch::Tensor of_trend = (torch::matmul(M, with_ones) * with_ones).sum();  // sum_ab M_ab (1 + z_a z_b)
+  evidence.gradient = kernel_slopes(Z, M.mul_(matrices.K), logs);
+  evidence.gradient.push_back(of_trend.item<double>() * trend);
+  evidence.gradient.push_back(of_noise.item<double>() * level);
   return evidence;
 }
 
@@ -393,17 +544,24 @@ GaussianRegression fit_gaussian_regression(const TrainingTable& table, std::span
   model.scale_ = std::max(std::sqrt(t.square().mean().item<double>()), kJitter);
   t /= model.scale_;
   const torch::Tensor inverse_weight = 1 / column(table.weight);
-  const torch::Tensor some = some_of(table.row_count(), settings.search_rows, settings.seed);
-  const torch::Tensor some_Z = Z.index_select(0, some), some_t = t.index_select(0, some);
-  const torch::Tensor some_weight = inverse_weight.index_select(0, some);
   std::vector<double> centre(table.variable_count, std::log(settings.prior_length));
   centre.insert(centre.end(), {0, std::log(0.1), std::log(0.1)});
-  model.logs_ = searched(centre, settings.prior_width, settings.search_steps, [&](const std::vector<double>& logs) {
-    return regression_evidence(some_Z, some_t, some_weight, logs);
-  });
+  KernelSearch search(std::move(centre), settings.prior_width);
+  for (const std::size_t count : stages(table.row_count(), settings)) {
+    const torch::Tensor some = some_of(table.row_count(), count, settings.seed);
+    const torch::Tensor some_Z = Z.index_select(0, some), some_t = t.index_select(0, some);
+    const torch::Tensor some_weight = inverse_weight.index_select(0, some);
+    Matrices matrices(some_Z.size(0), torch::kFloat64);
+    search.run(
+        [&](const std::vector<double>& logs) {
+          return regression_evidence(some_Z, some_t, some_weight, logs, matrices);
+        },
+        count, settings.search_steps);
+  }
+  model.logs_ = search.logs();
   torch::Tensor K = trend_kernel(Z, Z, model.logs_);
   K.diagonal().add_(noise(inverse_weight, model.logs_));
-  const torch::Tensor inverse = torch::cholesky_inverse(torch::linalg_cholesky(K)), a = torch::mv(inverse, t);
+  const torch::Tensor inverse = torch::cholesky_inverse(torch::linalg_cholesky(K.t())), a = torch::mv(inverse, t);
   const torch::Tensor left = ((t - a / inverse.diagonal()) * model.scale_ + model.mean_).contiguous();
   model.leave_one_out_.assign(left.data_ptr<double>(), left.data_ptr<double>() + left.numel());
   model.rows_ = std::make_shared<const GaussianRegression::Rows>(GaussianRegression::Rows{Z, a});

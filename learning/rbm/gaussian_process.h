@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "learning/rbm/baselines.h"
+#include "learning/rbm/search/kernel_search.h"
 
 namespace gonogo::learning {
 
@@ -23,7 +24,7 @@ struct GaussianProcessSettings {
   double prior_length = 3, prior_variance = 4;  // medians of l_v [standard deviations of the variable] and s
   double prior_width = 1.5;                     // standard deviation of log l_v and log s
   std::size_t search_rows = 1000;  // max rows for l_v and s, drawn by the seed; the posterior takes all rows
-  std::size_t search_steps = 40;   // max steps of L-BFGS, which ends at gains below 0.01 nat
+  std::size_t search_steps = 40;   // max of each stage of the search, which ends at gains below 0.01 nat
   std::uint64_t seed = 1;
 };
 
@@ -32,10 +33,6 @@ using KernelLogs = std::vector<double>;
 
 /// Log of the approximate marginal likelihood (equation 3.32) and its gradient with respect to `logs`. inputs: [row x
 /// variable], as they are; label: [row] of {0, 1}; weight: [row].
-struct LaplaceEvidence {
-  double value = 0;
-  std::vector<double> gradient;
-};
 LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const int> label,
                                  std::span<const double> weight, const KernelLogs& logs);
 
@@ -57,10 +54,7 @@ class GaussianProcessModel {
   const KernelLogs& logs() const { return logs_; }
 
  private:
-  friend GaussianProcessModel fit_gaussian_process(const TrainingTable&, std::span<const int>,
-                                                   const GaussianProcessSettings&, std::span<const double>);
-  friend GaussianProcessModel gaussian_process_with(const TrainingTable&, std::span<const int>, const KernelLogs&,
-                                                    std::span<const double>);
+  friend struct ProcessMaker;
   struct Rows;  // the training rows and the posterior there
   Standardisation scaling_;
   KernelLogs logs_;

@@ -44,6 +44,10 @@ torch::Tensor rows_tensor(const SampleSet& samples, std::size_t visible) {
   return result;
 }
 
+WordChains word_chains(const TrainingSettings& settings) {
+  return WordChains(settings.chains, 1, random_bits(settings.seed, kChains, 0));
+}
+
 NegativePhase::NegativePhase(const VisibleLayout& layout, const TrainingSettings& settings, const Sampler& sampler,
                              std::vector<double> base)
     : layout_(layout), labels_(layout.unit_labels()), settings_(settings), sampler_(sampler), base_(std::move(base)) {
@@ -52,14 +56,13 @@ NegativePhase::NegativePhase(const VisibleLayout& layout, const TrainingSettings
     throw InputError("training: a negative phase that is not persistent needs the sampler block_gibbs, not " +
                      sampler.name());
   if (settings.negative == NegativePhaseKind::contrastive) return;
-  const std::uint64_t seed = random_bits(settings.seed, kChains, 0);
   if (settings.negative == NegativePhaseKind::code_words) {
-    words_.emplace(settings.chains, std::size_t(1), seed);
+    words_.emplace(word_chains(settings));
     return;
   }
   if (settings.rungs < 2 || settings.rungs > LadderChains::kMaxRungs)
     throw InputError("training: rungs must lie between 2 and 64");
-  ladder_.emplace(settings.chains, layout.unit_count(), settings.hidden, seed);
+  ladder_.emplace(settings.chains, layout.unit_count(), settings.hidden, random_bits(settings.seed, kChains, 0));
 }
 
 torch::Tensor NegativePhase::draw(const RbmWeights& weights, const torch::Tensor& data) {

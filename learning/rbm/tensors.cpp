@@ -211,9 +211,7 @@ torch::Tensor objective(const Machine& machine, const RowTensors& rows, const to
   return loss;
 }
 
-namespace {
-
-void check(const VisibleLayout& layout, const Teaching& teaching) {
+void check_teaching(const VisibleLayout& layout, const Teaching& teaching) {
   const std::size_t count = teaching.probability.size();
   if (count == 0 || teaching.points.size() != count * layout.variable_count() ||
       teaching.label.size() != layout.outcome_count())
@@ -225,6 +223,8 @@ void check(const VisibleLayout& layout, const Teaching& teaching) {
   if (ones == 0 || ones == teaching.label.size())
     throw InputError("teacher: both classes need an outcome; the layout has those of one class only");
 }
+
+namespace {
 
 torch::Tensor mask(const std::vector<int>& label, int chosen) {
   std::vector<double> result;
@@ -267,7 +267,7 @@ std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingT
 TeachingTerm::TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device,
                            const TrainingTable* table)
     : weight_(teaching.weight) {
-  check(layout, teaching);
+  check_teaching(layout, teaching);
   smooth_ = smooth_units(layout, teaching.points).to(device);
   probability_ = torch::tensor(teaching.probability, torch::kFloat64).to(device);
   passes_ = mask(teaching.label, 1).to(device);
@@ -297,18 +297,6 @@ torch::Tensor TeachingTerm::over(const Machine& machine, const torch::Tensor& sm
   const torch::Tensor passes = torch::logsumexp(scores + passes_, 1), fails = torch::logsumexp(scores + fails_, 1);
   return weight_ * (total - probability * passes - (1 - probability) * fails).mean();
 }
-
-namespace {
-
-/// The first of the next `count` of `size` points, which follow each other around; `next` moves on.
-std::int64_t first_of_next(std::int64_t& next, std::int64_t count, std::int64_t size) {
-  if (next + count > size) next = 0;
-  const std::int64_t first = next;
-  next += count;
-  return first;
-}
-
-}  // namespace
 
 torch::Tensor TeachingTerm::next(const Machine& machine, std::size_t count) {
   const std::int64_t wanted = std::min(std::int64_t(count), smooth_.size(0));

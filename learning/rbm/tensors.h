@@ -75,6 +75,21 @@ torch::Tensor negative_free_energy(const Machine& machine, const torch::Tensor& 
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
                         const TrainingSettings& settings, std::size_t table_rows, double trial_share = 1);
 
+/// Throws InputError if the points do not match the layout, a probability lies outside [0, 1], or a class has no
+/// outcome.
+void check_teaching(const VisibleLayout& layout, const Teaching& teaching);
+
+/// The first of the next `count` of `size` points, which follow each other around; `next` moves on.
+template <class Count>
+Count first_of_next(Count& next, Count count, Count size) {
+  if (next + count > size) next = 0;
+  const Count first = next;
+  next += count;
+  return first;
+}
+
+inline constexpr std::size_t kJointPoints = 64;  // of an update, at least
+
 /// The points of a teaching that lie between the least and the largest known value of every variable of the table, as
 /// indices.
 std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingTable& table);
@@ -82,8 +97,7 @@ std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingT
 /// The teacher's term of the objective.
 class TeachingTerm {
  public:
-  /// Throws InputError if the points do not match the layout, a probability lies outside [0, 1], or a class has no
-  /// outcome.
+  /// Throws as check_teaching() does.
   /// `table`: the trials, whose box holds the points of the joint share; none is needed without one.
   TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device = torch::kCPU,
                const TrainingTable* table = nullptr);

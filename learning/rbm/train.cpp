@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 
 #include "base/error.h"
 #include "base/math/random.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "learning/rbm/negative.h"
 #include "learning/rbm/tensors.h"
+#include "learning/rbm/word_gradient.h"
 
 namespace gonogo::learning {
 namespace {
@@ -93,10 +96,20 @@ std::unique_ptr<torch::optim::Optimizer> make_optimizer(const Machine& machine, 
 }
 
 /// The learning rate falls in equal steps from epoch to epoch to its final share.
-void set_learning_rate(torch::optim::Optimizer& optimizer, const TrainingSettings& settings, std::size_t epoch) {
+double learning_rate(const TrainingSettings& settings, std::size_t epoch) {
   const double part = settings.epochs > 1 ? double(epoch - 1) / double(settings.epochs - 1) : 0;
-  const double rate = settings.learning_rate * (1 + part * (settings.final_learning_rate - 1));
-  for (auto& group : optimizer.param_groups()) group.options().set_lr(rate);
+  return settings.learning_rate * (1 + part * (settings.final_learning_rate - 1));
+}
+
+/// Rows of the minibatches of an epoch.
+std::vector<std::vector<std::size_t>> minibatches(std::size_t count, const TrainingSettings& settings,
+                                                  std::size_t epoch) {
+  const std::vector<std::size_t> order = permutation(count, settings.seed, kBatches + epoch);
+  std::vector<std::vector<std::size_t>> batches(std::max<std::size_t>(1, count / settings.batch));
+  for (std::size_t b = 0; b < batches.size(); ++b)
+    batches[b].assign(order.begin() + std::ptrdiff_t(count * b / batches.size()),
+                      order.begin() + std::ptrdiff_t(count * (b + 1) / batches.size()));
+  return batches;
 }
 
 /// Mean of the hidden units over rows of visible units.
@@ -138,12 +151,8 @@ class Run {
   }
 
   void epoch(std::size_t number) {
-    set_learning_rate(*optimizer_, settings_, number);
-    const std::size_t count = table_.row_count(), batches = std::max<std::size_t>(1, count / settings_.batch);
-    const std::vector<std::size_t> order = permutation(count, settings_.seed, kBatches + number);
-    for (std::size_t b = 0; b < batches; ++b)
-      update({order.begin() + std::ptrdiff_t(count * b / batches),
-              order.begin() + std::ptrdiff_t(count * (b + 1) / batches)});
+    for (auto& group : optimizer_->param_groups()) group.options().set_lr(learning_rate(settings_, number));
+    for (const auto& rows : minibatches(table_.row_count(), settings_, number)) update(rows);
     negative_.end_epoch(machine_.weights());
   }
   RbmWeights weights() const { return machine_.weights(); }
@@ -181,8 +190,7 @@ class Run {
     machine_.move_means(data.mean(0), hidden_means(machine_, data));
   }
 
-  static constexpr std::size_t kJointPoints = 64;  // of an update, at least
-  static constexpr double kSlide = 0.01;           // share of the minibatch in the sliding mean of the hidden units
+  static constexpr double kSlide = 0.01;  // share of the minibatch in the sliding mean of the hidden units
   const VisibleLayout& layout_;
   const TrainingTable& table_;
   const TrainingSettings& settings_;
@@ -193,6 +201,99 @@ class Run {
   torch::Tensor coupled_;  // 0 where a weight is masked, 1 elsewhere; undefined without masks
   std::uint64_t updates_ = 0;
 };
+
+/// Steps of the optimiser on a list of parameters, as LibTorch takes them.
+class Steps {
+ public:
+  Steps(std::size_t count, const TrainingSettings& settings) : settings_(settings), first_(count), second_(count) {}
+
+  /// Begins an update.
+  void begin() {
+    first_share_ *= kFirst;
+    second_share_ *= kSecond;
+  }
+  /// Moves parameters whose first is number `at` of the list.
+  void take(std::span<double> value, std::span<const double> gradient, std::size_t at, double rate) {
+    double *first = first_.data() + at, *second = second_.data() + at;
+    if (settings_.optimizer == Optimizer::sgd) {
+      for (std::size_t k = 0; k < value.size(); ++k)
+        value[k] -= rate * (first[k] = settings_.momentum * first[k] + gradient[k]);
+      return;
+    }
+    constexpr double kSmall = 1e-8;
+    const double step = rate / (1 - first_share_), root = std::sqrt(1 - second_share_);
+    for (std::size_t k = 0; k < value.size(); ++k) {
+      first[k] = kFirst * first[k] + (1 - kFirst) * gradient[k];
+      second[k] = kSecond * second[k] + (1 - kSecond) * gradient[k] * gradient[k];
+      value[k] -= step * first[k] / (std::sqrt(second[k]) / root + kSmall);
+    }
+  }
+
+ private:
+  static constexpr double kFirst = 0.9, kSecond = 0.999;
+  const TrainingSettings& settings_;
+  std::vector<double> first_, second_;  // sgd: the velocity; adam: running means of the gradient and of its square
+  double first_share_ = 1, second_share_ = 1;
+};
+
+/// A training run of a machine of code words whose rows are all known.
+class WordRun {
+ public:
+  WordRun(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
+          const RbmWeights& start, const Teaching* teaching)
+      : table_(table),
+        settings_(settings),
+        weights_(start),
+        words_(layout, start),
+        chains_(word_chains(settings)),
+        gradient_(layout, table, settings, teaching),
+        steps_(start.weight.size() + start.visible_bias.size() + start.hidden_bias.size(), settings) {}
+
+  void epoch(std::size_t number) {
+    for (const auto& rows : minibatches(table_.row_count(), settings_, number))
+      update(rows, learning_rate(settings_, number));
+  }
+  const RbmWeights& weights() const { return weights_; }
+
+ private:
+  void update(const std::vector<std::size_t>& rows, double rate) {
+    words_.set_weights(weights_);
+    if (settings_.generative > 0) chains_.run(words_, settings_.sweeps);
+    const RbmWeights& gradient = gradient_(words_, weights_, rows, chains_);
+    steps_.begin();
+    std::size_t at = 0;
+    for (auto part : {&RbmWeights::weight, &RbmWeights::visible_bias, &RbmWeights::hidden_bias}) {
+      steps_.take(weights_.*part, gradient.*part, at, rate);
+      at += (weights_.*part).size();
+    }
+  }
+
+  const TrainingTable& table_;
+  const TrainingSettings& settings_;
+  RbmWeights weights_;
+  WordMachine words_;
+  WordChains chains_;
+  WordGradient gradient_;
+  Steps steps_;
+};
+
+/// Calls run.epoch() for every epoch, and the hook after those that report.
+template <class Run>
+TrainingResult run_epochs(Run& run, const VisibleLayout& layout, const TrainingTable& table,
+                          const TrainingSettings& settings, const EpochHook& hook) {
+  TrainingResult result;
+  for (std::size_t epoch = 1; epoch <= settings.epochs; ++epoch) {
+    stop_if_cancelled();
+    run.epoch(epoch);
+    if (epoch % settings.report_every != 0 && epoch != settings.epochs) continue;
+    const RbmWeights now = run.weights();
+    const double loss = layout.outcome_count() > 0 ? conditional_loss(Posterior(layout, now), table) : NAN;
+    result.log.push_back({double(epoch), loss, NAN});
+    if (hook && !hook(epoch, now)) break;
+  }
+  result.weights = run.weights();
+  return result;
+}
 
 }  // namespace
 
@@ -207,24 +308,28 @@ double conditional_loss(const Posterior& posterior, const TrainingTable& table) 
   return sum / total;
 }
 
+namespace {
+
+/// Whether no machine of a training needs the sampler, so that several may be trained at a time.
+bool trains_by_words(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
+                     const Sampler& sampler) {
+  return sampler.name() == "block_gibbs" && WordGradient::serves(layout, table, settings);
+}
+
+}  // namespace
+
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
                          const Sampler& sampler, const EpochHook& hook, const RbmWeights* start,
                          const Teaching* teaching) {
   check_table(layout, table, settings);
-  const OneTorchThread one_thread;
-  Run run(layout, table, settings, sampler, start ? *start : initial_weights(layout, table, settings), teaching);
-  TrainingResult result;
-  for (std::size_t epoch = 1; epoch <= settings.epochs; ++epoch) {
-    stop_if_cancelled();
-    run.epoch(epoch);
-    if (epoch % settings.report_every != 0 && epoch != settings.epochs) continue;
-    const RbmWeights now = run.weights();
-    const double loss = layout.outcome_count() > 0 ? conditional_loss(Posterior(layout, now), table) : NAN;
-    result.log.push_back({double(epoch), loss, NAN});
-    if (hook && !hook(epoch, now)) break;
+  const RbmWeights first = start ? *start : initial_weights(layout, table, settings);
+  if (trains_by_words(layout, table, settings, sampler)) {
+    WordRun run(layout, table, settings, first, teaching);
+    return run_epochs(run, layout, table, settings, hook);
   }
-  result.weights = run.weights();
-  return result;
+  const OneTorchThread one_thread;
+  Run run(layout, table, settings, sampler, first, teaching);
+  return run_epochs(run, layout, table, settings, hook);
 }
 
 namespace {
@@ -311,6 +416,45 @@ FoldResult train_fold(const VisibleLayout& layout, const TrainingTable& table, c
   return result;
 }
 
+struct FoldRows {
+  std::vector<std::size_t> training, held_out;
+};
+
+/// The results of all folds, of which `threads` are trained at a time (0: as many as there are cores).
+std::vector<FoldResult> trained_folds(const VisibleLayout& layout, const TrainingTable& table,
+                                      const TrainingSettings& settings, const Sampler& sampler,
+                                      const std::vector<FoldRows>& rows, int threads,
+                                      const std::function<void(std::size_t)>& progress, const EpochHook& watch,
+                                      const FoldStore& store, const FoldTeaching& teaching) {
+  std::vector<FoldResult> result(rows.size());
+  std::mutex one_at_a_time;  // of the caller's functions
+  std::size_t done = 0;
+  const auto call = [&](const auto& function) {
+    const std::lock_guard lock(one_at_a_time);
+    return function();
+  };
+  const EpochHook look = [&](std::size_t epoch, const RbmWeights& weights) {
+    return call([&] { return !watch || watch(epoch, weights); });
+  };
+  for_each_on_host(
+      rows.size(), 1,
+      [&](std::size_t f) {
+        if (rows[f].training.empty()) throw InputError("cross-validation: fewer groups of trials than folds");
+        std::optional<FoldResult> kept = call([&] { return store.find ? store.find(f) : std::nullopt; });
+        if (!kept) {
+          const auto taught = call([&] { return teaching ? teaching(f) : nullptr; });
+          kept = train_fold(layout, table, settings, sampler, rows[f].training, rows[f].held_out, look, taught.get());
+          if (store.keep) call([&] { store.keep(f, *kept); });
+        }
+        result[f] = std::move(*kept);
+        call([&] {
+          if (progress) progress(++done);
+        });
+      },
+      threads);
+  return result;
+}
+
 /// Adds a fold to the mean training losses and to the probabilities [report epoch][row x outcome].
 void add_fold(const FoldResult& fold, const std::vector<std::size_t>& held_out, std::size_t fold_count,
               std::size_t row_count, std::size_t outcomes, CrossValidation& result,
@@ -336,21 +480,16 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
   check_table(layout, table, settings);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
+  std::vector<FoldRows> rows(fold_count);
+  for (std::size_t n = 0; n < fold.size(); ++n)
+    for (std::size_t f = 0; f < fold_count; ++f) (fold[n] == f ? rows[f].held_out : rows[f].training).push_back(n);
+  const bool together = trains_by_words(layout, table, settings, sampler);
+  const std::vector<FoldResult> done =
+      trained_folds(layout, table, settings, sampler, rows, together ? 0 : 1, progress, watch, store, teaching);
   CrossValidation result;
   std::vector<std::vector<double>> probability;  // [report][row x outcome]
-  for (std::size_t f = 0; f < fold_count; ++f) {
-    std::vector<std::size_t> training, held_out;
-    for (std::size_t n = 0; n < fold.size(); ++n) (fold[n] == f ? held_out : training).push_back(n);
-    if (training.empty()) throw InputError("cross-validation: fewer groups of trials than folds");
-    std::optional<FoldResult> done = store.find ? store.find(f) : std::nullopt;
-    if (!done) {
-      const auto taught = teaching ? teaching(f) : nullptr;
-      done = train_fold(layout, table, settings, sampler, training, held_out, watch, taught.get());
-      if (store.keep) store.keep(f, *done);
-    }
-    add_fold(*done, held_out, fold_count, table.row_count(), outcomes, result, probability);
-    if (progress) progress(f + 1);
-  }
+  for (std::size_t f = 0; f < fold_count; ++f)
+    add_fold(done[f], rows[f].held_out, fold_count, table.row_count(), outcomes, result, probability);
   std::size_t best = 0;
   const double total = std::accumulate(table.weight.begin(), table.weight.end(), 0.0);
   for (std::size_t r = 0; r < probability.size(); ++r) {

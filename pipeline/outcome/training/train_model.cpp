@@ -66,62 +66,61 @@ std::size_t usable_folds(const learning::TrainingTable& table, std::size_t asked
   return std::min(asked, std::size_t(std::unique(groups.begin(), groups.end()) - groups.begin()));
 }
 
-/// Progress in epochs over all machines: those of the folds, then the last one. Before its epochs every machine gets a
-/// teacher, whose time is counted apart.
+/// Progress in epochs over all machines: those of the folds, some at a time, then the last one. The time of their
+/// teachers, who learn before, is counted apart. Calls must not overlap.
 class TrainingProgress {
  public:
   /// `next` is called before each update; it may be empty.
-  TrainingProgress(std::size_t folds, std::size_t epochs, learning::EpochHook next)
+  TrainingProgress(std::size_t folds, const learning::TrainingSettings& settings, learning::EpochHook next)
       : folds_(folds),
-        epochs_(epochs),
-        last_epochs_(epochs),
+        epochs_(settings.epochs),
+        report_every_(settings.report_every),
+        last_epochs_(epochs_),
         next_(std::move(next)),
-        progress_("train", "epochs", (folds + 1) * epochs) {}
+        progress_("train", "epochs", (folds + 1) * epochs_) {}
 
   /// Hook of learning::train_rbm() and of learning::cross_validate().
   learning::EpochHook watch() {
     return [this](std::size_t epoch, const learning::RbmWeights& weights) {
       const bool go_on = !next_ || next_(epoch, weights);
-      update(machines_done_ * epochs_ + epoch * epochs_ / last_epochs_);
+      const std::size_t since = epoch % report_every_ == 0 ? report_every_ : epoch % report_every_;
+      done_ += double(since) * double(epochs_) / double(last_epochs_);
+      update();
       return go_on;
     };
   }
-  /// The machine in progress comes from an earlier run. Its epochs do not count in the rate.
-  void reuse_machine() { reused_ += epochs_; }
+  /// A machine comes from an earlier run. Its epochs do not count in the rate.
+  void reuse_machine() {
+    reused_ += epochs_;
+    done_ += double(epochs_);
+  }
   void machine_done(std::size_t done) {
     machines_done_ = done;
-    update(done * epochs_);
+    update();
   }
   /// The machine in progress is the last one and trains for `epochs`. It counts as much as a fold.
   void last_machine(std::size_t epochs) { last_epochs_ = epochs; }
 
-  /// fit(), the teacher of the machine in progress on so many trials.
+  /// fit(), all teachers, the largest of so many trials.
   template <class Fit>
-  auto teach(std::size_t trials, const Fit& fit) {
+  void teach(std::size_t trials, const Fit& fit) {
     constexpr std::size_t kSlow = 1000;  // trials whose Gaussian process takes more than a second or two
-    constexpr double kKept = 0.01;       // [s] a kept teacher is read faster
     const auto start = std::chrono::steady_clock::now();
-    if (trials >= kSlow)
-      progress_.announce("machine " + std::to_string(machines_done_ + 1) + " of " + std::to_string(folds_ + 1) +
-                         ": its teacher learns " + std::to_string(trials) + " trials");
-    auto teacher = fit();
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    teachers_ += seconds > kKept;
-    teaching_ += seconds;
-    const double each = teachers_ > 0 ? teaching_ / teachers_ : 0;
-    progress_.count_other_work(teaching_, each * double(folds_ - std::min(machines_done_, folds_)));
-    return teacher;
+    if (trials >= kSlow) progress_.announce("teachers learn up to " + std::to_string(trials) + " trials");
+    fit();
+    progress_.count_other_work(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 0);
   }
 
  private:
-  void update(std::size_t done) {
-    const std::size_t machine = std::min(done / epochs_, folds_) + 1;
-    progress_.update(done, "machine " + std::to_string(machine) + " of " + std::to_string(folds_ + 1), reused_);
+  void update() {
+    const std::size_t machine = std::min(machines_done_, folds_) + 1;
+    progress_.update(std::size_t(done_ + 0.5),
+                     "machine " + std::to_string(machine) + " of " + std::to_string(folds_ + 1), reused_);
   }
 
-  std::size_t folds_, epochs_;
+  std::size_t folds_, epochs_, report_every_;
   std::size_t machines_done_ = 0, last_epochs_, reused_ = 0;
-  double teachers_ = 0, teaching_ = 0;  // teachers that this run fitted, and the time they took [s]
+  double done_ = 0;  // epochs
   learning::EpochHook next_;
   Progress progress_;
 };
@@ -212,47 +211,67 @@ class KeptWork {
   std::string key_;
 };
 
-/// The teachers of a cross-validation. Every fold has one that has not seen it, and that process's forecasts of the
-/// fold's trials score it as a baseline.
-class FoldTeachers {
+/// The teachers of all machines. Every fold has one that has not seen it, and that process's forecasts of the fold's
+/// trials score it as a baseline. The last one, number fold_count, has seen all.
+class Teachers {
  public:
-  FoldTeachers(const Inputs& in, const std::vector<std::size_t>& fold, const std::vector<double>& points,
-               const KeptWork& kept)
-      : in_(in), fold_(fold), points_(points), kept_(kept) {}
+  Teachers(const Inputs& in, const std::vector<std::size_t>& fold, std::size_t fold_count,
+           const std::vector<double>& points, const KeptWork& kept)
+      : in_(in), fold_(fold), points_(points), kept_(kept), answers_(fold_count + 1) {}
 
-  /// What the machine of a fold is taught; none without a weight. Fitted at the first call.
-  std::shared_ptr<const learning::Teaching> of_fold(std::size_t fold) {
-    return in_.teacher.weight > 0 ? teaching(in_.teacher, points_, answers(fold).taught) : nullptr;
+  /// Fits those that were not kept, one after the other: two threads in OpenBLAS 0.3.21 (serial) gave other bits from
+  /// run to run.
+  void fit() {
+    for (std::size_t machine = 0; machine < answers_.size(); ++machine) {
+      std::optional<ProcessAnswers>& answers = answers_[machine];
+      answers = kept_.process(machine);
+      if (answers) continue;
+      const bool has_fold = machine + 1 < answers_.size();
+      answers = ProcessAnswers{has_fold ? forecasts(machine) : std::vector<double>(), taught(machine)};
+      kept_.keep_process(machine, *answers);
+    }
+  }
+
+  /// What a machine is taught; none without a weight.
+  std::shared_ptr<const learning::Teaching> of(std::size_t machine) const {
+    return in_.teacher.weight > 0 ? teaching(in_.teacher, points_, answers_[machine]->taught) : nullptr;
   }
   /// P(go) of every trial by the process that has not seen the trial's fold [row].
-  std::vector<double> held_out() {
-    std::vector<std::size_t> next(*std::max_element(fold_.begin(), fold_.end()) + 1, 0);
+  std::vector<double> held_out() const {
+    std::vector<std::size_t> next(answers_.size(), 0);
     std::vector<double> result;
-    for (std::size_t f : fold_) result.push_back(answers(f).held_out[next[f]++]);
+    for (std::size_t f : fold_) result.push_back(answers_[f]->held_out[next[f]++]);
     return result;
   }
 
  private:
-  const ProcessAnswers& answers(std::size_t fold) {
-    if (const auto found = answers_.find(fold); found != answers_.end()) return found->second;
-    if (std::optional<ProcessAnswers> kept = kept_.process(fold))
-      return answers_.emplace(fold, std::move(*kept)).first->second;
+  struct Rows {
+    learning::TrainingTable seen, unseen;
+    OtherTrials others;
+  };
+  Rows rows_of(std::size_t machine) const {
     std::vector<std::size_t> training, held_out;
-    for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == fold ? held_out : training).push_back(n);
-    const learning::TrainingTable &table = in_.data.table, unseen = table.subset(held_out);
-    const learning::TrainingTable seen = table.subset(training);
-    const OtherTrials others = in_.others.away_from(unseen);
-    ProcessAnswers fresh{process_baseline(seen, others, unseen.variables), {}};
-    if (in_.teacher.weight > 0) fresh.taught = Teacher(seen, others)(points_);
-    kept_.keep_process(fold, fresh);
-    return answers_.emplace(fold, std::move(fresh)).first->second;
+    for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == machine ? held_out : training).push_back(n);
+    const learning::TrainingTable& table = in_.data.table;
+    Rows rows{table.subset(training), table.subset(held_out), in_.others};
+    if (!held_out.empty()) rows.others = in_.others.away_from(rows.unseen);
+    return rows;
+  }
+  std::vector<double> taught(std::size_t machine) const {
+    if (in_.teacher.weight == 0) return {};
+    const Rows rows = rows_of(machine);
+    return Teacher(rows.seen, rows.others)(points_);
+  }
+  std::vector<double> forecasts(std::size_t fold) const {
+    const Rows rows = rows_of(fold);
+    return process_baseline(rows.seen, rows.others, rows.unseen.variables);
   }
 
   const Inputs& in_;
   const std::vector<std::size_t>& fold_;
   const std::vector<double>& points_;  // that a teacher labels
   const KeptWork& kept_;
-  std::map<std::size_t, ProcessAnswers> answers_;
+  std::vector<std::optional<ProcessAnswers>> answers_;  // [machine]
 };
 
 /// Folds of a stand-in are not kept: the run that continues would not know of it.
@@ -332,7 +351,7 @@ FailureRate failure_rate(const TrainingData& data, const learning::TrainingTable
 /// Scores of P(go) on rows that each forecaster did not train on.
 Scores cross_validation_scores(const TrainingData& data, const learning::CrossValidation& folds,
                                const std::vector<std::size_t>& fold, std::size_t fold_count, std::uint64_t seed,
-                               FoldTeachers& teachers) {
+                               const Teachers& teachers) {
   const std::vector<int> passable = passable_outcomes();
   Forecasts forecasts;
   for (std::size_t n = 0; n < data.table.row_count(); ++n) {
@@ -402,26 +421,23 @@ TrainingReport train_model(const TrainRequest& request) {
   if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
 
   const KeptWork kept(request.model, work_key(request, in.settings));
-  TrainingProgress progress(folds, training.epochs, source.watch());
+  TrainingProgress progress(folds, training, source.watch());
   const std::vector<std::size_t> fold = learning::assign_folds(table, folds, training.seed);
   const std::vector<double> points =
       taught_points(in.data.lower, in.data.upper, in.settings.taught_points, request.seed);
-  FoldTeachers teachers(in, fold, points, kept);
+  Teachers teachers(in, fold, folds, points, kept);
+  progress.teach(table.row_count(), [&] { teachers.fit(); });
   learning::CrossValidation validation = cross_validate(
       model.layout, table, training, source.sampler(), folds,
       [&](std::size_t done) {
         progress.machine_done(done);
         source.begin();
       },
-      progress.watch(), fold_store(kept, progress, source),
-      [&](std::size_t f) {
-        return progress.teach(table.row_count() * (folds - 1) / folds, [&] { return teachers.of_fold(f); });
-      });
+      progress.watch(), fold_store(kept, progress, source), [&](std::size_t f) { return teachers.of(f); });
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
   if (in.settings.calibrate) model.calibration_power = calibrate(in.data, validation, fold, folds);
-  const auto lesson =
-      progress.teach(table.row_count(), [&] { return teach_all(table, in.others, points, in.teacher); });
+  const auto lesson = teachers.of(folds);
   model.weights = trained_weights(model.layout, table, training, source.sampler(), progress.watch(), lesson.get());
   model.log = validation.log;
   describe_trials(in, model);
