@@ -1,16 +1,18 @@
 // A table as tensors, the machine as parameters, and the terms of the objective. Only inside learning/rbm.
 #pragma once
 #include <ATen/Parallel.h>
+#include <omp.h>
 #include <torch/torch.h>
 
 #include "learning/rbm/train.h"
 
 namespace gonogo::learning {
 
-/// Keeps LibTorch on one thread while it lives, because its reductions depend on the number of threads.
+/// Keeps LibTorch on one thread while it lives, because its reductions depend on the number of threads. Restores the
+/// number of OpenMP, which at::get_num_threads() would set to that of physical cores when it is first called.
 class OneTorchThread {
  public:
-  OneTorchThread() : before_(at::get_num_threads()) { at::set_num_threads(1); }
+  OneTorchThread() : before_(omp_get_max_threads()) { at::set_num_threads(1); }
   ~OneTorchThread() { at::set_num_threads(before_); }
   OneTorchThread(const OneTorchThread&) = delete;
   OneTorchThread& operator=(const OneTorchThread&) = delete;
