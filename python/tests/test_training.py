@@ -21,7 +21,8 @@ def test_bad_settings_are_told(dataset_file, tmp_path):
         gonogo.train(dataset_file, tmp_path / "model.h5", learning={"hiden": 4})
 
 
-def test_a_family_is_asked_for_whole_vehicles_alone(dataset_file, tmp_path):
+def test_a_family_is_asked_for_whole_vehicles_alone(root, tmp_path):
+    wheels = root / "data" / "quarter_wheel_90mm" / "dataset.h5"
     for family in (True, "wheeled_family_32mm"):
         with pytest.raises(gonogo.InputError, match="a wheel by itself"):
-            gonogo.train(dataset_file, tmp_path / "model.h5", family=family)
+            gonogo.train(wheels, tmp_path / "model.h5", family=family)

@@ -1,11 +1,17 @@
 #include "vehicle/family/common_pull.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "base/error.h"
 
 namespace gonogo::vehicle {
+namespace {
+
+constexpr double kAsMuch = 0.05;  // side forces differ by less than a fit of wheel trials errs, as a share
+
+}  // namespace
 
 std::vector<double> axle_loads(std::span<const double> shares) {
   constexpr double kLeast = 0.02;
@@ -24,12 +30,12 @@ CommonPull largest_pull(std::span<const double> shares, std::size_t ways, double
       sum[way].pull += shares[axle] * f.pull;
       sum[way].side += shares[axle] * f.side;
     }
-  std::size_t best = 0;
-  for (std::size_t way = 1; way < ways; ++way) {
-    const bool holds = sum[way].side >= side, best_holds = sum[best].side >= side;
-    if (holds && best_holds ? sum[way].pull > sum[best].pull : sum[way].side > sum[best].side && !best_holds)
-      best = way;
-  }
+  const auto by_side = [](const AxleForces& a, const AxleForces& b) { return a.side < b.side; };
+  const double most = std::max_element(sum.begin(), sum.end(), by_side)->side;
+  const double needed = std::min(side, most - kAsMuch * std::fabs(most));
+  std::size_t best = ways;
+  for (std::size_t way = 0; way < ways; ++way)
+    if (sum[way].side >= needed && (best == ways || sum[way].pull > sum[best].pull)) best = way;
   return {sum[best].pull, best};
 }
 

@@ -23,7 +23,7 @@ struct CommonPull {
 std::vector<double> axle_loads(std::span<const double> shares);
 
 /// The largest pull among the ways whose side force is at least `side`, the tangent of a slope across. Where none has
-/// as much, that of the way with most side force: the vehicle slides sideways. shares: of the weight, by axle.
+/// as much, among those within 5 % of the most side force: the vehicle slides sideways. shares: of the weight, by axle.
 CommonPull largest_pull(std::span<const double> shares, std::size_t ways, double side,
                         const std::function<AxleForces(std::size_t axle, std::size_t way)>& forces);
 
