@@ -24,7 +24,7 @@ struct GaussianProcessSettings {
   double prior_length = 3, prior_variance = 4;  // medians of l_v [standard deviations of the variable] and s
   double prior_width = 1.5;                     // standard deviation of log l_v and log s
   std::size_t search_rows = 1000;  // max rows for l_v and s, drawn by the seed; the posterior takes all rows
-  std::size_t search_steps = 40;   // max of each stage of the search, which ends at gains below 0.01 nat
+  std::size_t search_steps = 40;   // max of each stage of the search, see KernelSearch
   std::uint64_t seed = 1;
 };
 
