@@ -194,7 +194,7 @@ void run_cone(CalibrationTest& test, const CalibrationRun& run, const Packing& b
   soil.grain = law_of(test);
   soil.tool_friction = double(soil.grain.friction);
   const ConeResult r = cone_test(bed, soil, cone_settings(run), pace);
-  test.result = {fit_cone({r}).slope / (r.bulk_density * kGravity), r.worst_residual};
+  test.result = {proportional_gradient(r) / (r.bulk_density * kGravity), r.worst_residual};
 }
 
 void run_shear(CalibrationTest& test, const CalibrationRun& run, const Packing& bed, const TestPace& pace) {
@@ -550,7 +550,7 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
 }  // namespace
 
 std::string journal_maker(const CalibrationRun& run) {
-  return line("calibrate/9 %s of %g m, %s%s", name_of(run.shape).c_str(), run.grain_diameter,
+  return line("calibrate/10 %s of %g m, %s%s", name_of(run.shape).c_str(), run.grain_diameter,
               description(run.numerics).c_str(), run.device == sim::Backend::cpu ? "" : ", on cuda");
 }
 
@@ -625,13 +625,15 @@ void add_cones(Calibration& table, const CalibrationRun& run) {
     failed += std::uint64_t(run.seeds) - known.size();
     if (3 * known.size() < 2 * std::size_t(run.seeds)) continue;
     const MeanError mean = mean_error(known);
-    table.response[k].cone_gradient = std::max(0.0, mean.mean);
+    table.response[k].cone_gradient = mean.mean;
     table.response[k].cone_gradient_error = mean.error;
   }
   table.provenance["cone_seeds"] = run.seeds;
   table.provenance["failed_cones"] = failed;
-  table.provenance["cone"] =
-      "30 degree cone 4 grains wide, pushed at 0.1 sqrt(g d) to 1.5 diameters into a bed of 18 x 18 grains, 18 deep";
+  table.provenance["cone"] = line(
+      "30 degree cone 4 grains wide, pushed at %g sqrt(g d) to 1.5 diameters into a bed of 18 x 18 grains, 18 deep; "
+      "pressure over the depth of the base and a third of the cone's height",
+      ConeSettings{}.speed);
 }
 
 }  // namespace gonogo::terrain

@@ -350,4 +350,14 @@ LineFit fit_cone(const std::vector<ConeResult>& tests) {
   return fit_line(depth, pressure);
 }
 
+double proportional_gradient(const ConeResult& test) {
+  double product = 0, square = 0;
+  for (const ConeSample& s : test.profile) {
+    const double depth = s.depth + cone_height(test.diameter) / 3;
+    product += s.pressure * depth;
+    square += depth * depth;
+  }
+  return product / square;
+}
+
 }  // namespace gonogo::terrain

@@ -71,7 +71,7 @@ BekkerFit fit_bekker(const std::vector<PlateResult>& plates);
 struct ConeSettings {
   double diameter_grains = 4;  // of the cone's base, in grain diameters
   double depth = 1.5;          // of the base below the surface at the end, in cone diameters
-  double speed = 0.1;          // of the drive, in sqrt(g d)
+  double speed = 0.15;         // of the drive, in sqrt(g d)
   double ring = 100;           // stiffness of the spring over base area, in unit weights of the bed
   double max_pressure = 3e7;   // the test stops at this pressure [Pa]
   double steps_per_time = 50;  // in sqrt(d / g)
@@ -106,6 +106,11 @@ std::vector<ConeSample> mean_profile(const std::vector<ConeResult>& tests);
 
 /// Line through the mean profile. Its slope is the cone index gradient [Pa/m]; errors come from the scatter about it.
 LineFit fit_cone(const std::vector<ConeResult>& tests);
+
+/// Gradient of the index [Pa/m] if pressure is in proportion to the mean depth of what the cone presses: that of its
+/// base and a third of its height. One bed of rough grains tells it to a few tenths, where the slope of a line through
+/// its profile may be negative.
+double proportional_gradient(const ConeResult& test);
 
 /// The cone and its shaft as a closed mesh, with the base's centre at the origin and the tip down [m].
 sim::TriangleMesh cone_mesh(double diameter, double shaft_length);

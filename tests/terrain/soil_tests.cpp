@@ -244,6 +244,18 @@ TEST_CASE("the cone's line is that of the mean of its beds, at even depths") {
   CHECK(fit_cone({a}).r2 < 0.99);
 }
 
+TEST_CASE("a pressure in proportion to the depth of what the cone presses shows its gradient, whatever its noise") {
+  // A 30 degree cone is 1.866 base diameters high: a third of that lies 0.0622 m below a base of 0.1 m.
+  ConeResult clean{.diameter = 0.1}, noisy{.diameter = 0.1};
+  for (int k = 0; k <= 20; ++k) {
+    const double z = 0.0075 * k;
+    clean.profile.push_back({z, 4e5 * (z + 0.1 / 6 / std::tan(to_radians(15)))});
+    noisy.profile.push_back({z, clean.profile.back().pressure + (k % 4 < 2 ? 2e4 : -2e4)});
+  }
+  CHECK(proportional_gradient(clean) == Approx(4e5));
+  CHECK(proportional_gradient(noisy) == Approx(4e5).epsilon(0.03));
+}
+
 TEST_CASE("the contacts of a bed at rest carry at every level the weight above it, within five per cent") {
   const GeostaticResult r = geostatic_test(coarse_soil(0.5, 0.1, 0.5), 8, {});
   REQUIRE(r.profile.size() >= 6);
