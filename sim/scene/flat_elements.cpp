@@ -60,7 +60,7 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
   const double command = command_limit(c.type);
   check_table(c.command, "command", -command, command, refuse);
   check_table(c.limit, "torque limit", 0, max, refuse);
-  if (c.type == ControllerType::throttle)
+  if (has_torque_curve(c.type))
     refuse.unless(c.limit.front().at >= 0 && c.limit.back().at > 0, "has a torque curve over negative speeds alone");
   if (!follows_body(c)) return;
   refuse.unless(exists(world, c.body),

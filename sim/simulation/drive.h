@@ -28,8 +28,11 @@ struct ApplyController {
   GONOGO_HD MotorCommand command_of(const ControllerPlan& c, const Motor& m, ControllerState& own) const {
     const double time = double(steps[c.world]) * double(step);
     if (c.type == ControllerType::schedule) return schedule_command(table, c, time);
-    if (c.type == ControllerType::throttle)
-      return throttle_command(table, c, time, motor_speed(m, motor_axis(m, orientation), velocity));
+    if (has_torque_curve(c.type)) {
+      const double turns = motor_speed(m, motor_axis(m, orientation), velocity);
+      return c.type == ControllerType::throttle ? throttle_command(table, c, time, turns)
+                                                : held_speed_command(table, c, time, turns);
+    }
     const Vec3 axis = c.frame == ReferenceFrame::body ? rotate(orientation[c.body], c.axis) : c.axis;
     if (sets_angle(c.type)) {
       const ArmPose arm{axis, motor_axis(m, orientation), rotate(orientation[m.a], c.pointer_a)};

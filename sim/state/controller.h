@@ -38,7 +38,8 @@ enum class ControllerType : std::int32_t {
   velocity_by_torque,  // proportional-integral: velocity of a body -> torque
   velocity_by_speed,   // proportional-integral: velocity of a body -> motor speed
   steering,            // keeps a body on a straight line along x: offset of a point ahead -> angle of the motor
-  angle                // turns the motor to an angle
+  angle,               // turns the motor to an angle
+  held_speed           // speed over time, within a torque curve over the motor's speed
 };
 
 /// At most one per motor. Tables ascend in `at`; their outer values hold beyond their ends.
@@ -46,11 +47,12 @@ struct Controller {
   ControllerType type = ControllerType::schedule;
   Index motor = 0;  // in its world
 
-  /// Over time [s]. schedule: motor speed [rad/s]. throttle: [-1, 1], negative drives backwards. velocity: [m/s].
-  /// angle: [rad].
+  /// Over time [s]. schedule, held_speed: motor speed [rad/s]. throttle: [-1, 1], negative drives backwards. velocity:
+  /// [m/s]. angle: [rad].
   std::vector<TablePoint> command;
   /// Torque limit [N m] over time [s]. throttle: torque at full throttle over the magnitude of the motor's speed
-  /// [rad/s]; the last point is the speed that the motor does not exceed by itself.
+  /// [rad/s]; the last point is the speed that the motor does not exceed by itself. held_speed: the same curve for a
+  /// motor that drives; one that brakes or turns the other way has its torque at rest.
   std::vector<TablePoint> limit;
 
   // velocity: u = p e + i (integral of e) + f c with command c and error e = c - velocity along the axis. u is a
@@ -75,6 +77,11 @@ struct Controller {
 
 GONOGO_HD inline bool sets_angle(ControllerType type) {
   return type == ControllerType::steering || type == ControllerType::angle;
+}
+
+/// Whether its torque limit is a curve over the motor's speed.
+GONOGO_HD inline bool has_torque_curve(ControllerType type) {
+  return type == ControllerType::throttle || type == ControllerType::held_speed;
 }
 
 /// Whether it reads a body's motion.
@@ -118,6 +125,13 @@ GONOGO_HD inline MotorCommand torque_command(double torque) {
 
 GONOGO_HD inline MotorCommand schedule_command(View<const TablePoint> points, const ControllerPlan& c, double time) {
   return {interpolate(points, c.command, time), interpolate(points, c.limit, time)};
+}
+
+GONOGO_HD inline MotorCommand held_speed_command(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                                 double motor_speed) {
+  const double wanted = interpolate(points, c.command, time);
+  const bool drives = wanted * motor_speed > 0 && std::fabs(motor_speed) < std::fabs(wanted);
+  return {wanted, interpolate(points, c.limit, drives ? std::fabs(motor_speed) : 0)};
 }
 
 /// Above the last speed of its curve a motor is held back by the curve's last torque.

@@ -109,6 +109,29 @@ TEST_CASE("throttle scales a falling torque curve: w = w0 (1 - exp(-s T0 t / (I 
     }
 }
 
+TEST_CASE("a motor that holds a speed drives within its falling curve and brakes with its torque at rest, both ways") {
+  // Up: w = w0 (1 - exp(-T0 t / (I w0))) until the speed is there. Down: w = w1 - T0 t / I.
+  const double top = 40, stall = 5, held = 30, low = 10;
+  Controller c;
+  c.type = ControllerType::held_speed;
+  c.limit = {{0, stall}, {top, 0}};
+  const double rate = stall / (kInertia * top), until = -std::log(1 - held / top) / rate;
+  for (const Backend backend : backends())
+    for (const double sign : {1.0, -1.0}) {
+      INFO(name_of(backend) << ", sign " << sign);
+      c.command = {{0, sign * held}};
+      const auto up = simulate(backend, flywheel(c), {});
+      CHECK(speed_after(*up, 0.5 * until) == Approx(sign * top * (1 - std::exp(-rate * 0.5 * until))).epsilon(2e-3));
+      CHECK(speed_after(*up, until) == Approx(sign * held).epsilon(1e-3));
+      c.command = {{0, sign * low}};
+      const auto down = simulate(backend, flywheel(c), {});
+      down->set_body(0, 0, {{}, {}, {}, {0, Real(sign * held), 0}});
+      const double slowing = 0.5 * (held - low) * kInertia / stall;
+      CHECK(speed_after(*down, slowing) == Approx(sign * (held - stall / kInertia * slowing)).epsilon(2e-3));
+      CHECK(speed_after(*down, 2 * slowing) == Approx(sign * low).epsilon(1e-3));
+    }
+}
+
 TEST_CASE("a throttle that opens slowly gives the ramped share of a flat curve") {
   Controller c;
   c.type = ControllerType::throttle;

@@ -1,6 +1,7 @@
 // Whole vehicles on hard ground in the contact engine against closed forms.
 #include <cmath>
 
+#include "base/format.h"
 #include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -9,6 +10,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/vehicles.h"
 #include "vehicle/hard_ground/hard_ground.h"
+#include "vehicle/model/statics.h"
 
 using namespace gonogo;
 using namespace gonogo::test;
@@ -131,6 +133,23 @@ TEST_CASE("an open axle spins its wheel on ice, a limited-slip one pulls by its 
   const double open = pull(Differential::open, 1), slip = pull(Differential::limited_slip, 3);
   pull(Differential::locked, 1);
   CHECK(agrees("pull with bias 3 over pull when open", 2, slip / open, 0.2));
+}
+
+TEST_CASE("wheel motors that are told their top speed climb at the one that their torque then holds") {
+  // VIPER's motors: T = 300 (1 - w / 3.14) each. On a slope four of them carry m g sin(theta) r.
+  const Vehicle v = smooth(shipped_vehicle("viper"));
+  const double top = v.driveline.cut_speed, stall = v.driveline.efficiency * v.driveline.engine(0);
+  const double radius = running_parts(v).front().rolling_radius, weight = weigh(v).total * kGravity;
+  for (const double slope : {6.0, 12.0}) {
+    DriverOrders orders;
+    orders.throttle_ramp = 0.5;
+    const HardGround d(v, orders, 0.9, to_radians(slope));
+    const auto s = started(sim::Backend::cpu, d.world, 2e-3);
+    advance_for(*s, 3);
+    const double turns = s->body(0, d.e.wheel[0]).angular_velocity.y;
+    const double expected = top * (1 - weight * std::sin(to_radians(slope)) * radius / (4 * stall));
+    CHECK(agrees(line("turns of a wheel up %.0f degrees [rad/s]", slope), expected, turns, 0.02 * top));
+  }
 }
 
 TEST_CASE("vehicles that the engine cannot drive are refused with the reason") {

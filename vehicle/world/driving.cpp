@@ -162,23 +162,18 @@ std::vector<sim::TablePoint> motor_limit(const Driveline& d) {
   return points;
 }
 
-/// A motor in every driven wheel: holds the rim's speed within its torque; it brakes by holding zero. By hand it gives
-/// a share of its torque.
+/// A motor in every driven wheel: holds the rim's speed within its torque at that speed; it brakes by holding zero. By
+/// hand it gives a share of its torque.
 void add_wheel_motors(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e, const DriverOrders& orders) {
-  const Curve& torque = v.driveline.engine;
-  const double max_torque = *std::max_element(torque.value.begin(), torque.value.end()) * v.driveline.efficiency;
   for (std::size_t i = 0; i < e.station.size(); ++i) {
     if (e.drive_motor[i] < 0) continue;
     const double top = v.driveline.cut_speed, wish = orders.speed / e.station[i].wheel->radius;
     sim::Controller c;
+    c.type = orders.by_hand ? sim::ControllerType::throttle : sim::ControllerType::held_speed;
     c.motor = e.drive_motor[i];
     c.command = ramp_up(orders.release, orders.throttle_ramp, orders.speed > 0 ? std::min(top, wish) : top);
-    c.limit = {{0, max_torque}};
-    if (orders.by_hand) {
-      c.type = sim::ControllerType::throttle;
-      c.command = {{0, 0}};
-      c.limit = motor_limit(v.driveline);
-    }
+    if (orders.by_hand) c.command = {{0, 0}};
+    c.limit = motor_limit(v.driveline);
     world.controller.push_back(c);
   }
 }
