@@ -1,32 +1,33 @@
 #include "learning/rbm/baselines.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "base/error.h"
 #include "base/math/random.h"
-#include "learning/rbm/tensors.h"
+#include "learning/rbm/dense/symmetric.h"
 
 namespace gonogo::learning {
 
 Standardisation standardisation_of(const TrainingTable& table) {
-  Standardisation result;
-  for (std::size_t v = 0; v < table.variable_count; ++v) {
-    double sum = 0, square = 0, count = 0;
-    for (std::size_t n = 0; n < table.row_count(); ++n) {
-      const double x = table.row(n)[v];
-      if (std::isnan(x)) continue;
-      sum += x;
-      count += 1;
-    }
-    const double mean = count > 0 ? sum / count : 0;
-    for (std::size_t n = 0; n < table.row_count(); ++n) {
-      const double x = table.row(n)[v];
-      if (!std::isnan(x)) square += (x - mean) * (x - mean);
-    }
-    result.mean.push_back(mean);
-    result.scale.push_back(square > 0 ? std::sqrt(square / count) : 1);
-  }
+  const std::size_t variables = table.variable_count;
+  std::vector<double> square(variables, 0.0), count(variables, 0.0);
+  Standardisation result{std::vector<double>(variables, 0.0), std::vector<double>(variables, 1.0)};
+  const auto for_each_known = [&](const auto& visit) {
+    for (std::size_t n = 0; n < table.row_count(); ++n)
+      for (std::size_t v = 0; v < variables; ++v)
+        if (const double x = table.row(n)[v]; !std::isnan(x)) visit(v, x);
+  };
+  for_each_known([&](std::size_t v, double x) {
+    result.mean[v] += x;
+    count[v] += 1;
+  });
+  for (std::size_t v = 0; v < variables; ++v)
+    if (count[v] > 0) result.mean[v] /= count[v];
+  for_each_known([&](std::size_t v, double x) { square[v] += (x - result.mean[v]) * (x - result.mean[v]); });
+  for (std::size_t v = 0; v < variables; ++v)
+    if (square[v] > 0) result.scale[v] = std::sqrt(square[v] / count[v]);
   return result;
 }
 
@@ -55,37 +56,58 @@ std::vector<std::size_t> varying_columns(const TrainingTable& table, const Stand
   return columns;
 }
 
+Column<double> sigmoid(const Column<double>& x) { return (1 + (-x).exp()).inverse(); }
+
+/// Newton's method on a table, for one ridge after the other.
+class LogisticFit {
+ public:
+  LogisticFit(const TrainingTable& table, std::span<const int> label)
+      : scaling_(standardisation_of(table)),
+        varying_(varying_columns(table, scaling_)),
+        x_(Matrix<double>::Ones(Eigen::Index(table.row_count()), Eigen::Index(varying_.size()) + 1)),
+        y_(Eigen::Map<const Eigen::ArrayXi>(label.data(), Eigen::Index(label.size())).cast<double>()),
+        row_weight_(Eigen::Map<const Column<double>>(table.weight.data(), Eigen::Index(table.weight.size()))) {
+    GONOGO_ASSERT(label.size() == table.row_count());
+    for (std::size_t n = 0; n < table.row_count(); ++n)
+      for (std::size_t v = 0; v < varying_.size(); ++v)
+        x_(Eigen::Index(n), Eigen::Index(v)) = scaling_.standardised(varying_[v], table.row(n)[varying_[v]]);
+  }
+
+  LogisticModel at(double ridge) const {
+    Column<double> penalty = Column<double>::Constant(x_.cols(), ridge), w = Column<double>::Zero(x_.cols());
+    penalty[x_.cols() - 1] = 1e-9;  // keeps the system solvable when only one class occurs
+    for (int iteration = 0; iteration < 50; ++iteration) {
+      const Column<double> step = newton_step(w, penalty);
+      w -= step;
+      if (step.abs().maxCoeff() < 1e-10) break;
+    }
+    LogisticModel model;
+    static_cast<Standardisation&>(model) = scaling_;
+    model.weight.assign(scaling_.mean.size() + 1, 0.0);
+    for (std::size_t v = 0; v < varying_.size(); ++v) model.weight[varying_[v]] = w[Eigen::Index(v)];
+    model.weight.back() = w[x_.cols() - 1];
+    return model;
+  }
+
+ private:
+  Column<double> newton_step(const Column<double>& w, const Column<double>& penalty) const {
+    const Column<double> p = sigmoid((x_ * w.matrix()).array()), share = (row_weight_ * p * (1 - p)).sqrt();
+    const Column<double> gradient = (x_.transpose() * (row_weight_ * (p - y_)).matrix()).array() + penalty * w;
+    Matrix<double> curvature = penalty.matrix().asDiagonal();
+    curvature.selfadjointView<Eigen::Lower>().rankUpdate((share.matrix().asDiagonal() * x_).transpose());
+    return curvature.selfadjointView<Eigen::Lower>().ldlt().solve(gradient.matrix()).array().max(-5).min(5);
+  }
+
+  Standardisation scaling_;
+  std::vector<std::size_t> varying_;
+  Matrix<double> x_;  // [row x varying column], then ones
+  Column<double> y_, row_weight_;
+};
+
 }  // namespace
 
 LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> label, double ridge) {
-  GONOGO_ASSERT(label.size() == table.row_count());
-  const OneTorchThread one_thread;
-  LogisticModel model;
-  static_cast<Standardisation&>(model) = standardisation_of(table);
-  const std::vector<std::size_t> varying = varying_columns(table, model);
-  const std::int64_t rows = std::int64_t(table.row_count()), columns = std::int64_t(varying.size()) + 1;
-  torch::Tensor x = torch::ones({rows, columns}, torch::kFloat64);
-  const torch::Tensor y = torch::tensor(std::vector<double>(label.begin(), label.end()), torch::kFloat64);
-  auto cell = x.accessor<double, 2>();
-  for (std::int64_t n = 0; n < rows; ++n)
-    for (std::size_t v = 0; v < varying.size(); ++v)
-      cell[n][std::int64_t(v)] = model.standardised(varying[v], table.row(std::size_t(n))[varying[v]]);
-  const torch::Tensor row_weight = torch::tensor(table.weight, torch::kFloat64);
-  torch::Tensor penalty = torch::full({columns}, ridge, torch::kFloat64);
-  penalty[columns - 1] = 1e-9;  // keeps the system solvable when only one class occurs
-  torch::Tensor w = torch::zeros({columns}, torch::kFloat64);
-  for (int iteration = 0; iteration < 50; ++iteration) {
-    const torch::Tensor p = torch::sigmoid(torch::matmul(x, w));
-    const torch::Tensor gradient = torch::matmul(x.t(), row_weight * (p - y)) + penalty * w;
-    const torch::Tensor curvature = torch::matmul(x.t() * (row_weight * p * (1 - p)), x) + torch::diag(penalty);
-    const torch::Tensor step = torch::linalg_solve(curvature, gradient.unsqueeze(1)).squeeze(1).clamp(-5, 5);
-    w = w - step;
-    if (step.abs().max().item<double>() < 1e-10) break;
-  }
-  model.weight.assign(table.variable_count + 1, 0.0);
-  for (std::size_t v = 0; v < varying.size(); ++v) model.weight[varying[v]] = w[std::int64_t(v)].item<double>();
-  model.weight.back() = w[columns - 1].item<double>();
-  return model;
+  return LogisticFit(table, label).at(ridge);
 }
 
 namespace {
@@ -116,16 +138,28 @@ TrainingTable table_of_terms(const TrainingTable& table, const Standardisation& 
   return result;
 }
 
-/// Sum over rows of -w log P(label), each by a model without the row's fold.
-double held_out_loss(const TrainingTable& terms, std::span<const int> label, const std::vector<std::size_t>& fold,
-                     std::size_t folds, double ridge) {
-  const std::vector<double> p = out_of_fold(
-      terms, label, fold, folds,
-      [&](const TrainingTable& rows, std::span<const int> labels) { return fit_logistic(rows, labels, ridge); });
-  double loss = 0;
-  for (std::size_t n = 0; n < p.size(); ++n)
-    loss -= terms.weight[n] * std::log(std::max(kLeast, label[n] ? p[n] : 1 - p[n]));
-  return loss;
+constexpr int kRidges = 9;  // 10^-2.5, 10^-2, ..., 10^1.5
+double ridge_number(int k) { return std::pow(10, 0.5 * (k - 5)); }
+
+/// Adds the sum of -w log P(label) over the rows of fold `without` for every ridge, by models without these rows.
+void add_held_out_loss(const TrainingTable& terms, std::span<const int> label, const std::vector<std::size_t>& fold,
+                       std::size_t without, std::array<double, kRidges>& loss) {
+  std::vector<std::size_t> training;
+  std::vector<int> training_label;
+  for (std::size_t n = 0; n < fold.size(); ++n) {
+    if (fold[n] == without) continue;
+    training.push_back(n);
+    training_label.push_back(label[n]);
+  }
+  const LogisticFit fit(terms.subset(training), training_label);
+  for (int k = 0; k < kRidges; ++k) {
+    const LogisticModel model = fit.at(ridge_number(k));
+    for (std::size_t n = 0; n < fold.size(); ++n) {
+      if (fold[n] != without) continue;
+      const double p = model(terms.row(n));
+      loss[std::size_t(k)] -= terms.weight[n] * std::log(std::max(kLeast, label[n] ? p : 1 - p));
+    }
+  }
 }
 
 double chosen_ridge(const TrainingTable& terms, std::span<const int> label, std::uint64_t seed) {
@@ -133,16 +167,9 @@ double chosen_ridge(const TrainingTable& terms, std::span<const int> label, std:
   const std::size_t folds = std::min(kFolds, groups);
   if (folds < 2) return 1;  // one group: nothing to hold out
   const std::vector<std::size_t> fold = assign_folds(terms, folds, seed);
-  double best = 0, least = INFINITY;
-  for (int half_decade = -5; half_decade <= 3; ++half_decade) {
-    const double ridge = std::pow(10, 0.5 * half_decade);
-    const double loss = held_out_loss(terms, label, fold, folds, ridge);
-    if (loss < least) {
-      least = loss;
-      best = ridge;
-    }
-  }
-  return best;
+  std::array<double, kRidges> loss{};
+  for (std::size_t f = 0; f < folds; ++f) add_held_out_loss(terms, label, fold, f, loss);
+  return ridge_number(int(std::min_element(loss.begin(), loss.end()) - loss.begin()));
 }
 
 }  // namespace
@@ -163,61 +190,85 @@ QuadraticModel fit_quadratic(const TrainingTable& table, std::span<const int> la
 namespace {
 
 struct LabelledRows {
-  torch::Tensor inputs, label, weight;  // [row x variable], [row], [row]
+  Matrix<double> inputs;         // [row x variable]
+  Column<double> label, weight;  // [row]
 };
 
-LabelledRows tensors_of(const TrainingTable& table, std::span<const int> label, const Standardisation& scaling,
-                        const std::vector<std::size_t>& rows) {
-  LabelledRows result;
-  result.inputs = torch::empty({std::int64_t(rows.size()), std::int64_t(table.variable_count)}, torch::kFloat64);
-  double* cell = result.inputs.data_ptr<double>();
-  std::vector<double> labels, weights;
-  for (std::size_t n : rows) {
-    for (std::size_t v = 0; v < table.variable_count; ++v) *cell++ = scaling.standardised(v, table.row(n)[v]);
-    labels.push_back(label[n]);
-    weights.push_back(table.weight[n]);
+LabelledRows labelled_rows(const TrainingTable& table, std::span<const int> label, const Standardisation& scaling,
+                           const std::vector<std::size_t>& rows) {
+  const auto count = Eigen::Index(rows.size());
+  LabelledRows result{Matrix<double>(count, Eigen::Index(table.variable_count)), Column<double>(count),
+                      Column<double>(count)};
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const std::size_t n = rows[std::size_t(k)];
+    for (std::size_t v = 0; v < table.variable_count; ++v)
+      result.inputs(k, Eigen::Index(v)) = scaling.standardised(v, table.row(n)[v]);
+    result.label[k] = label[n];
+    result.weight[k] = table.weight[n];
   }
-  result.label = torch::tensor(labels, torch::kFloat64);
-  result.weight = torch::tensor(weights, torch::kFloat64);
   return result;
 }
 
-/// Standard normal draws over the root of `inputs`, as a parameter.
-torch::Tensor initial(std::vector<std::int64_t> shape, double inputs, std::uint64_t seed, std::uint64_t stream) {
-  torch::Tensor result = torch::empty(shape, torch::kFloat64);
-  double* value = result.data_ptr<double>();
-  for (std::int64_t k = 0; k < result.numel(); ++k) value[k] = random_normal(seed, stream, std::uint64_t(k), inputs);
-  return result.set_requires_grad(true);
-}
-
+/// A, B, w and c of a network, one after the other in one array.
 struct Network {
-  torch::Tensor A, B, w, c;
-  Network(std::int64_t variables, const NetworkSettings& settings)
-      : A(initial({std::int64_t(settings.hidden), variables}, double(variables), settings.seed, 1)),
-        B(torch::zeros({std::int64_t(settings.hidden)}, torch::kFloat64).set_requires_grad(true)),
-        w(initial({std::int64_t(settings.hidden)}, double(settings.hidden), settings.seed, 2)),
-        c(torch::zeros({1}, torch::kFloat64).set_requires_grad(true)) {}
-  torch::Tensor logit(const torch::Tensor& x) const {
-    return torch::matmul(torch::tanh(torch::matmul(x, A.t()) + B), w) + c;
+  Eigen::Index hidden, variables;
+  Column<double> numbers;
+
+  /// Standard normal weights over the root of the number of inputs; no biases.
+  Network(Eigen::Index inputs, const NetworkSettings& settings)
+      : hidden(Eigen::Index(settings.hidden)),
+        variables(inputs),
+        numbers(Column<double>::Zero(hidden * (variables + 2) + 1)) {
+    for (Eigen::Index k = 0; k < hidden * variables; ++k)  // row by row
+      numbers[k % variables * hidden + k / variables] =
+          random_normal(settings.seed, 1, std::uint64_t(k), double(variables));
+    for (Eigen::Index j = 0; j < hidden; ++j)
+      numbers[hidden * (variables + 1) + j] = random_normal(settings.seed, 2, std::uint64_t(j), double(hidden));
   }
+  Eigen::Map<const Matrix<double>> A() const { return {numbers.data(), hidden, variables}; }
+  auto B() const { return numbers.segment(hidden * variables, hidden); }
+  auto w() const { return numbers.segment(hidden * (variables + 1), hidden); }
+  double c() const { return numbers[numbers.size() - 1]; }
+
+  /// tanh(B + A z): [row x hidden].
+  Matrix<double> units(const Matrix<double>& inputs) const {
+    const Matrix<double> field = (inputs * A().transpose()).rowwise() + B().matrix().transpose();
+    return 1 - 2 / (1 + (2 * field.array()).exp());
+  }
+  Column<double> logit(const Matrix<double>& units) const { return (units * w().matrix()).array() + c(); }
+
   /// Mean of -w log P(label).
-  torch::Tensor loss(const LabelledRows& rows) const {
-    const torch::Tensor z = logit(rows.inputs);
-    return (rows.weight * (torch::softplus(z) - rows.label * z)).mean();
+  double loss(const LabelledRows& rows) const {
+    const Column<double> z = logit(units(rows.inputs));
+    return (rows.weight * (z.max(0) + (-z.abs()).exp().log1p() - rows.label * z)).mean();
+  }
+  /// Of the loss plus decay (|A|^2 + |w|^2), in the order of `numbers`.
+  Column<double> gradient(const LabelledRows& rows, double decay) const {
+    const Matrix<double> h = units(rows.inputs);
+    const Column<double> of_logit = rows.weight * (sigmoid(logit(h)) - rows.label) / double(rows.label.size());
+    const Matrix<double> of_field = (of_logit.matrix() * w().matrix().transpose()).array() * (1 - h.array().square());
+    Column<double> result(numbers.size());
+    Eigen::Map<Matrix<double>>(result.data(), hidden, variables) = of_field.transpose() * rows.inputs + 2 * decay * A();
+    result.segment(hidden * variables, hidden) = of_field.colwise().sum().transpose().array();
+    result.segment(hidden * (variables + 1), hidden) = (h.transpose() * of_logit.matrix()).array() + 2 * decay * w();
+    result[numbers.size() - 1] = of_logit.sum();
+    return result;
   }
 };
 
-/// Trains for `epochs`; look(epoch, network) after each.
+/// Trains for `epochs` by Adam (Kingma & Ba 2015, algorithm 1); look(epoch, network) after each.
 template <class Look>
 Network trained(const LabelledRows& rows, const NetworkSettings& settings, std::size_t epochs, Look look) {
-  Network network(rows.inputs.size(1), settings);
-  torch::optim::Adam adam(std::vector<torch::Tensor>{network.A, network.B, network.w, network.c},
-                          torch::optim::AdamOptions(settings.learning_rate));
-  const double decay = settings.weight_decay / (2 * double(rows.inputs.size(0)));
+  constexpr double kFirst = 0.9, kSecond = 0.999, kLeastRoot = 1e-8;
+  Network network(rows.inputs.cols(), settings);
+  const double decay = settings.weight_decay / (2 * double(rows.inputs.rows()));
+  Column<double> mean = Column<double>::Zero(network.numbers.size()), square = mean;
   for (std::size_t epoch = 1; epoch <= epochs; ++epoch) {
-    adam.zero_grad();
-    (network.loss(rows) + decay * (network.A.square().sum() + network.w.square().sum())).backward();
-    adam.step();
+    const Column<double> gradient = network.gradient(rows, decay);
+    mean = kFirst * mean + (1 - kFirst) * gradient;
+    square = kSecond * square + (1 - kSecond) * gradient.square();
+    const double of_mean = 1 - std::pow(kFirst, double(epoch)), of_square = 1 - std::pow(kSecond, double(epoch));
+    network.numbers -= settings.learning_rate / of_mean * mean / ((square / of_square).sqrt() + kLeastRoot);
     look(epoch, network);
   }
   return network;
@@ -230,14 +281,13 @@ std::size_t best_epoch(const TrainingTable& table, std::span<const int> label, c
   std::vector<std::size_t> fit, check;
   for (std::size_t n = 0; n < fold.size(); ++n) (fold[n] == 0 ? check : fit).push_back(n);
   if (fit.empty() || check.empty()) return settings.max_epochs;
-  const LabelledRows held_out = tensors_of(table, label, scaling, check);
+  const LabelledRows held_out = labelled_rows(table, label, scaling, check);
   double lowest = INFINITY;
   std::size_t best = 1;
-  trained(tensors_of(table, label, scaling, fit), settings, settings.max_epochs,
+  trained(labelled_rows(table, label, scaling, fit), settings, settings.max_epochs,
           [&](std::size_t epoch, const Network& network) {
             if (epoch % 5 != 0) return;
-            const torch::NoGradGuard constants;
-            const double loss = network.loss(held_out).item<double>();
+            const double loss = network.loss(held_out);
             if (loss < lowest) {
               lowest = loss;
               best = epoch;
@@ -261,17 +311,17 @@ double NetworkModel::operator()(std::span<const double> variables) const {
 
 NetworkModel fit_network(const TrainingTable& table, std::span<const int> label, const NetworkSettings& settings) {
   GONOGO_ASSERT(label.size() == table.row_count());
-  const OneTorchThread one_thread;
   NetworkModel model;
   static_cast<Standardisation&>(model) = standardisation_of(table);
   model.hidden = settings.hidden;
   model.epochs = best_epoch(table, label, model, settings);
-  const Network network = trained(tensors_of(table, label, model, permutation(table.row_count(), settings.seed, 3)),
+  const Network network = trained(labelled_rows(table, label, model, permutation(table.row_count(), settings.seed, 3)),
                                   settings, model.epochs, [](std::size_t, const Network&) {});
-  model.input_weight = values_of(network.A);
-  model.input_bias = values_of(network.B);
-  model.output_weight = values_of(network.w);
-  model.output_weight.push_back(network.c.item<double>());
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_unit = network.A();
+  model.input_weight.assign(by_unit.data(), by_unit.data() + by_unit.size());
+  model.input_bias.assign(network.B().begin(), network.B().end());
+  model.output_weight.assign(network.w().begin(), network.w().end());
+  model.output_weight.push_back(network.c());
   return model;
 }
 

@@ -1,5 +1,5 @@
 // Baselines of every model, on standardised inputs z: logistic regression, quadratic logistic regression, and a small
-// neural network on LibTorch. The fits of all are deterministic.
+// neural network. The fits of all are deterministic.
 #pragma once
 #include <cmath>
 #include <cstdint>

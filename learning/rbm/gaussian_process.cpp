@@ -3,136 +3,109 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <optional>
 
 #include "base/error.h"
+#include "base/math/random.h"
 #include "base/progress.h"
 #include "base/units.h"
-#include "learning/rbm/tensors.h"
+#include "learning/rbm/dense/symmetric.h"
 
 namespace gonogo::learning {
 namespace {
 
 constexpr std::uint64_t kSearchRows = 0x67707277;  // stream of random numbers
-constexpr std::int64_t kBlock = 512;               // points whose variances are worked out together
+constexpr Eigen::Index kBlock = 512;               // points whose variances are worked out together
 constexpr int kNewtonSteps = 100;
-constexpr auto kSearched = torch::kFloat32;  // of a classifier's matrices while its lengths are searched
+using Searched = float;  // of a classifier's matrices while its lengths are searched
 
 // Kernels.
 
-/// Columns of rows times the inverse lengths, each padded by zeros to whole blocks: [variable][row]. Variables that do
-/// not differ between rows are left out.
+/// Rows divided by the lengths, and half the square of each: log k = log s + x.y - |x|^2 / 2 - |y|^2 / 2.
 template <class T>
-struct Columns {
-  typedef T Lanes __attribute__((vector_size(32)));  // an alias would lose the attribute
-  static constexpr std::int64_t kLanes = sizeof(Lanes) / sizeof(T), kRegisters = 4, kBlock = kLanes * kRegisters;
-  std::int64_t padded;
-  std::vector<T> value;
-  Columns(const torch::Tensor& rows, const KernelLogs& logs, const std::vector<std::int64_t>& variables)
-      : padded((rows.size(0) + kBlock - 1) / kBlock * kBlock), value(std::size_t(padded) * variables.size(), T(0)) {
-    const auto cell = rows.accessor<T, 2>();
-    T* column = value.data();
-    for (const std::int64_t v : variables) {
-      const double inverse = std::exp(-logs[std::size_t(v)]);
-      for (std::int64_t i = 0; i < rows.size(0); ++i) column[i] = T(cell[i][v] * inverse);
-      column += padded;
-    }
+struct ScaledRows {
+  Matrix<T> x;  // [row x variable]
+  Column<T> half_square;
+  ScaledRows(const Matrix<T>& rows, const KernelLogs& logs) : x(rows) {
+    for (Eigen::Index v = 0; v < x.cols(); ++v) x.col(v) *= T(std::exp(-logs[std::size_t(v)]));
+    half_square = T(0.5) * x.rowwise().squaredNorm().array();
   }
 };
 
-/// Variables in which a row of a differs from a row of b.
+/// Writes the lower triangle of the kernel of all pairs of rows, where |x - y|^2 is no less than 0 in spite of
+/// rounding.
 template <class T>
-std::vector<std::int64_t> differing(const torch::Tensor& a, const torch::Tensor& b) {
-  std::vector<std::int64_t> variables;
-  const auto left = a.accessor<T, 2>(), right = b.accessor<T, 2>();
-  for (std::int64_t v = 0; v < a.size(1); ++v) {
-    bool same = true;
-    for (std::int64_t i = 0; same && i < a.size(0); ++i) same = left[i][v] == right[0][v];
-    for (std::int64_t i = 0; same && i < b.size(0); ++i) same = right[i][v] == right[0][v];
-    if (!same) variables.push_back(v);
-  }
-  return variables;
-}
-
-/// Writes log k of every row of a with every row of b: [row of a x row of b].
-template <class T>
-void fill_log_kernel(const torch::Tensor& a, const torch::Tensor& b, const KernelLogs& logs, torch::Tensor& result) {
-  using Lanes = typename Columns<T>::Lanes;
-  constexpr std::int64_t kLanes = Columns<T>::kLanes, kRegisters = Columns<T>::kRegisters, kBlock = Columns<T>::kBlock;
-  const std::int64_t rows = a.size(0), columns = b.size(0);
-  if (rows == 0 || columns == 0) return;
-  const std::vector<std::int64_t> variables = differing<T>(a, b);
-  const Columns<T> left(a, logs, variables), right(b, logs, variables);
+void fill_kernel(const Matrix<T>& rows, const KernelLogs& logs, Matrix<T>& K) {
+  const ScaledRows<T> scaled(rows, logs);
   const T log_variance = T(logs.back());
-  T* out = result.data_ptr<T>();
-  for (std::int64_t i = 0; i < rows; ++i, out += columns)
-    for (std::int64_t first = 0; first < columns; first += kBlock) {
-      Lanes square[kRegisters] = {};
-      const T *x = left.value.data() + i, *y = right.value.data() + first;
-      for (std::size_t v = 0; v < variables.size(); ++v, x += left.padded, y += right.padded)
-#pragma GCC unroll 4
-        for (std::int64_t k = 0; k < kRegisters; ++k) {
-          Lanes apart;
-          std::memcpy(&apart, y + k * kLanes, sizeof apart);
-          apart = *x - apart;
-          square[k] += apart * apart;
-        }
-      for (Lanes& lanes : square) lanes = log_variance - T(0.5) * lanes;
-      std::memcpy(out + first, square, std::size_t(std::min(kBlock, columns - first)) * sizeof(T));
-    }
+  const Eigen::Index count = rows.rows();
+  K.template triangularView<Eigen::Lower>().setZero();
+  K.template selfadjointView<Eigen::Lower>().rankUpdate(scaled.x);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    auto column = K.col(j).tail(count - j).array();
+    column = (log_variance + (column - scaled.half_square.tail(count - j) - scaled.half_square[j]).min(T(0))).exp();
+    column[0] = std::exp(log_variance);
+  }
 }
 
-/// k of every row of a with every row of b. a: [n x variable], b: [m x variable]; result [n x m].
-void fill_kernel(const torch::Tensor& a, const torch::Tensor& b, const KernelLogs& logs, torch::Tensor& result) {
-  AT_DISPATCH_FLOATING_TYPES(a.scalar_type(), "kernel", [&] { fill_log_kernel<scalar_t>(a, b, logs, result); });
-  result.exp_();
-}
-torch::Tensor kernel(const torch::Tensor& a, const torch::Tensor& b, const KernelLogs& logs) {
-  torch::Tensor result = torch::empty({a.size(0), b.size(0)}, a.options());
-  fill_kernel(a, b, logs, result);
-  return result;
+/// k of every row of a with every row of b: [row of a x row of b].
+template <class T>
+Matrix<T> kernel(const Matrix<T>& a, const Matrix<T>& b, const KernelLogs& logs) {
+  const ScaledRows<T> left(a, logs), right(b, logs);
+  const T log_variance = T(logs.back());
+  Matrix<T> K = left.x * right.x.transpose();
+  for (Eigen::Index j = 0; j < K.cols(); ++j) {
+    auto column = K.col(j).array();
+    column = (log_variance + (column - left.half_square - right.half_square[j]).min(T(0))).exp();
+  }
+  return K;
 }
 
-/// Matrices of a number of rows. They are written again and again, since fresh memory of megabytes costs as much as a
-/// pass over them.
+/// Eigen::Lower triangles of matrices of a number of rows. They are written again and again, since fresh memory of
+/// megabytes costs as much as a pass over them.
+template <class T>
 struct Matrices {
-  torch::Tensor K;          // the kernel
-  torch::Tensor lower;      // a Cholesky factor
-  torch::Tensor symmetric;  // what it is the factor of, then the inverse of that
-  torch::Tensor failure = torch::zeros({}, torch::kInt32);
-  Matrices(std::int64_t rows, torch::Dtype type)
-      : K(torch::empty({rows, rows}, type)),
-        lower(torch::empty({rows, rows}, type).t()),  // in the order of LAPACK, so that nothing is reordered
-        symmetric(torch::empty({rows, rows}, type)) {}
-
-  /// Factorises `symmetric`. Whether it is positive definite.
-  bool factorise() {
-    torch::Tensor transposed = symmetric.t();
-    at::linalg_cholesky_ex_out(lower, failure, transposed);
-    return failure.item<int>() == 0;
-  }
-  /// Overwrites `symmetric` with its inverse.
-  void invert() {
-    torch::Tensor transposed = symmetric.t();
-    at::cholesky_inverse_out(transposed, lower);
-  }
+  Matrix<T> K;       // the kernel
+  Matrix<T> factor;  // a Cholesky factor, then the inverse of what it is the factor of
+  explicit Matrices(Eigen::Index rows) : K(rows, rows), factor(rows, rows) {}
 };
+
+/// Sum of the logs of a factor's diagonal.
+template <class T>
+double half_log_determinant(const Matrix<T>& factor) {
+  double sum = 0;
+  for (Eigen::Index k = 0; k < factor.rows(); ++k) sum += std::log(double(factor(k, k)));
+  return sum;
+}
 
 // Laplace's approximation of the posterior. Equations: Rasmussen & Williams (2006), chapters 3 and 5.
 
+template <class T>
+Column<T> sigmoid(const Column<T>& f) {
+  return (1 + (-f).exp()).inverse();
+}
+
 /// The rows' log likelihood sum_n w_n log sigmoid(y_n f_n) at f, with its derivatives, y of {-1, 1}.
+template <class T>
 struct RowLikelihood {
-  torch::Tensor sign, weight;  // y, w [row]
-  double value(const torch::Tensor& f) const;
-  torch::Tensor slope(const torch::Tensor& f) const;      // d / df
-  torch::Tensor curvature(const torch::Tensor& f) const;  // W = -d2 / df2, > 0
-  torch::Tensor third(const torch::Tensor& f) const;      // d3 / df3
+  Column<T> sign, weight;  // y, w [row]
+  double value(const Column<T>& f) const {
+    const Column<T> margin = sign * f;  // log(1 + exp(-x)) = max(-x, 0) + log(1 + exp(-|x|))
+    return -double((weight * ((-margin).max(T(0)) + (-margin.abs()).exp().log1p())).sum());
+  }
+  /// d / df.
+  Column<T> slope(const Column<T>& f) const { return weight * sign * sigmoid<T>(-sign * f); }
+  /// W = -d2 / df2, > 0.
+  Column<T> curvature(const Column<T>& f) const { return weight * sigmoid<T>(f) * sigmoid<T>(-f); }
+  /// d3 / df3.
+  Column<T> third(const Column<T>& f) const { return curvature(f) * (sigmoid<T>(f) - sigmoid<T>(-f)); }
 };
 
-/// The mode of the posterior: f = m + K a, with root = W^1/2. Matrices::lower is then the Cholesky factor of
+/// The mode of the posterior: f = m + K a, with root = W^1/2. Matrices::factor is then the Cholesky factor of
 /// B = I + W^1/2 K W^1/2.
+template <class T>
 struct Mode {
-  torch::Tensor f{}, a{}, root{};
+  Column<T> f{}, a{}, root{};
   double log_posterior = 0;  // -1/2 a.(f - m) + log likelihood
   bool found = true;         // or a factorisation failed
 };
@@ -146,60 +119,47 @@ constexpr Precision kExact = {1e-9, true};
 /// The evidence is then known to some 0.001 nat, a tenth of what ends a search.
 constexpr Precision kRough = {1e-7, false};
 
-double scalar_product(const torch::Tensor& a, const torch::Tensor& b) { return torch::dot(a, b).item<double>(); }
-
-/// B^-1 of a vector, by the Cholesky factor of B.
-torch::Tensor solve(const torch::Tensor& lower, const torch::Tensor& b) {
-  return torch::cholesky_solve(b.unsqueeze(1), lower).squeeze(1);
+template <class T>
+double scalar_product(const Column<T>& a, const Column<T>& b) {
+  return double(a.matrix().dot(b.matrix()));
 }
 
-void factorise(Matrices& matrices, const torch::Tensor& curvature, Mode& mode) {
+template <class T>
+void factorise_curved(Matrices<T>& matrices, const Column<T>& curvature, Mode<T>& mode) {
   mode.root = curvature.sqrt();
-  AT_DISPATCH_FLOATING_TYPES(curvature.scalar_type(), "factorise", [&] {
-    const scalar_t *root = mode.root.data_ptr<scalar_t>(), *from = matrices.K.data_ptr<scalar_t>();
-    scalar_t* to = matrices.symmetric.data_ptr<scalar_t>();
-    const std::int64_t rows = curvature.size(0);
-    for (std::int64_t i = 0; i < rows; ++i, from += rows, to += rows)
-      for (std::int64_t j = 0; j < rows; ++j) to[j] = from[j] * (root[i] * root[j]);
-  });
-  matrices.symmetric.diagonal().add_(1);
-  mode.found = matrices.factorise();
+  const Eigen::Index rows = curvature.size();
+  for (Eigen::Index j = 0; j < rows; ++j) {
+    auto column = matrices.factor.col(j).tail(rows - j).array();
+    column = matrices.K.col(j).tail(rows - j).array() * (mode.root.tail(rows - j) * mode.root[j]);
+    column[0] += 1;
+  }
+  mode.found = factorise(matrices.factor);
 }
 
 /// m: the mean of f.
-double log_posterior(const RowLikelihood& likelihood, const torch::Tensor& a, const torch::Tensor& f,
-                     const torch::Tensor& m) {
-  return likelihood.value(f) - 0.5 * scalar_product(a, f - m);
+template <class T>
+double log_posterior(const RowLikelihood<T>& likelihood, const Column<T>& a, const Column<T>& f, const Column<T>& m) {
+  return likelihood.value(f) - 0.5 * scalar_product<T>(a, f - m);
 }
 
-double RowLikelihood::value(const torch::Tensor& f) const {
-  return -scalar_product(weight, torch::softplus(-sign * f));
-}
-torch::Tensor RowLikelihood::slope(const torch::Tensor& f) const { return weight * sign * torch::sigmoid(-sign * f); }
-torch::Tensor RowLikelihood::curvature(const torch::Tensor& f) const {
-  return weight * torch::sigmoid(f) * torch::sigmoid(-f);
-}
-torch::Tensor RowLikelihood::third(const torch::Tensor& f) const {
-  return curvature(f) * (torch::sigmoid(f) - torch::sigmoid(-f));
-}
-
-/// Newton's method (algorithm 3.1) from `start` [row], or from the mean m [row] if that is undefined. A step that
-/// lowers the posterior is halved. matrices: of the kernel.
-Mode find_mode(Matrices& matrices, const RowLikelihood& likelihood, const torch::Tensor& m, const torch::Tensor& start,
-               const Precision& precision) {
-  const torch::Tensor& K = matrices.K;
-  Mode mode{.f = start.defined() ? start : m, .log_posterior = -INFINITY};
+/// Newton's method (algorithm 3.1) from `start` [row], or from the mean m [row] if that is empty. A step that lowers
+/// the posterior is halved. matrices: of the kernel.
+template <class T>
+Mode<T> find_mode(Matrices<T>& matrices, const RowLikelihood<T>& likelihood, const Column<T>& m, const Column<T>& start,
+                  const Precision& precision) {
+  const Matrix<T>& K = matrices.K;
+  Mode<T> mode{.f = start.size() > 0 ? start : m, .log_posterior = -INFINITY};
   for (int step = 0; step < kNewtonSteps; ++step) {
-    const torch::Tensor W = likelihood.curvature(mode.f);
-    factorise(matrices, W, mode);
+    const Column<T> W = likelihood.curvature(mode.f);
+    factorise_curved(matrices, W, mode);
     if (!mode.found) return mode;
-    const torch::Tensor b = W * (mode.f - m) + likelihood.slope(mode.f);
-    torch::Tensor a = b - mode.root * solve(matrices.lower, mode.root * torch::mv(K, b));
-    torch::Tensor f = m + torch::mv(K, a);
+    const Column<T> b = W * (mode.f - m) + likelihood.slope(mode.f);
+    Column<T> a = b - mode.root * factored_solution<T>(matrices.factor, mode.root * symmetric_product<T>(K, b));
+    Column<T> f = m + symmetric_product<T>(K, a);
     double now = log_posterior(likelihood, a, f, m);
-    for (int half = 0; half < 30 && mode.a.defined() && now < mode.log_posterior; ++half) {
-      a = 0.5 * (a + mode.a);
-      f = 0.5 * (f + mode.f);
+    for (int half = 0; half < 30 && mode.a.size() > 0 && now < mode.log_posterior; ++half) {
+      a = T(0.5) * (a + mode.a);
+      f = T(0.5) * (f + mode.f);
       now = log_posterior(likelihood, a, f, m);
     }
     const bool done = std::abs(now - mode.log_posterior) <= precision.gain * (1 + std::abs(now));
@@ -209,116 +169,118 @@ Mode find_mode(Matrices& matrices, const RowLikelihood& likelihood, const torch:
     mode.found = std::isfinite(now);
     if (done || !mode.found) break;
   }
-  if (precision.factor_at_mode) factorise(matrices, likelihood.curvature(mode.f), mode);
+  if (precision.factor_at_mode) factorise_curved(matrices, likelihood.curvature(mode.f), mode);
   return mode;
 }
 
 /// sum_ab Q_ab (z_a - z_b)^2 / l^2 of every variable, which are the derivatives by log l_v where Q = M K by elements;
-/// then sum_ab Q_ab.
-std::vector<double> kernel_slopes(const torch::Tensor& Z, const torch::Tensor& Q, const std::vector<double>& logs) {
-  const std::int64_t variables = Z.size(1);
-  const torch::Tensor ones = torch::ones({Z.size(0), 1}, Z.options()), squares = Z.square();
-  // Columns: Q Z, Q Z^2 and Q 1.
-  const torch::Tensor sums = torch::matmul(Q, torch::cat({Z, squares, ones}, 1));
-  const torch::Tensor row_sums = sums.slice(1, 2 * variables);
-  const std::vector<double> apart =
-      values_of((squares * row_sums + sums.slice(1, variables, 2 * variables) - 2 * Z * sums.slice(1, 0, variables))
-                    .sum(0)
-                    .to(torch::kFloat64));
+/// then sum_ab Q_ab. Q: symmetric, its lower triangle.
+template <class T>
+std::vector<double> kernel_slopes(const Matrix<T>& Z, const Matrix<T>& Q, const std::vector<double>& logs) {
+  const Eigen::Index variables = Z.cols();
+  Matrix<T> with_ones(Z.rows(), variables + 1);
+  with_ones << Z, Column<T>::Ones(Z.rows()).matrix();
+  const Matrix<T> sums = Q.template selfadjointView<Eigen::Lower>() * with_ones;
+  const Column<T> row_sums = sums.col(variables).array();
   std::vector<double> slopes;
-  for (std::size_t v = 0; v < apart.size(); ++v) slopes.push_back(apart[v] * std::exp(-2 * logs[v]));
-  slopes.push_back(row_sums.sum().item<double>());
+  for (Eigen::Index v = 0; v < variables; ++v) {
+    const Column<T> z = Z.col(v).array(), Qz = sums.col(v).array();
+    slopes.push_back(2 * double((z * (z * row_sums - Qz)).sum()) * std::exp(-2 * logs[std::size_t(v)]));
+  }
+  slopes.push_back(double(row_sums.sum()));
   return slopes;
 }
 
-/// Overwrites R = W^1/2 B^-1 W^1/2, of which B^-1 is given, with Q = M K by elements for
-/// M = v t' + 1/2 a a' - 1/2 R.
+/// Overwrites B^-1 with Q = M K by elements for the symmetric part of M = v t' + 1/2 a a' - 1/2 R, where
+/// R = W^1/2 B^-1 W^1/2.
 template <class T>
-void weigh_kernel(const T* K, const T* root, const T* v, const T* t, const T* a, std::int64_t rows, T* inverse) {
-  for (std::int64_t i = 0; i < rows; ++i, K += rows, inverse += rows)
-    for (std::int64_t j = 0; j < rows; ++j)
-      inverse[j] = K[j] * (v[i] * t[j] + T(0.5) * (a[i] * a[j] - inverse[j] * (root[i] * root[j])));
+void weigh_kernel(const Matrix<T>& K, const Column<T>& root, const Column<T>& v, const Column<T>& t, const Column<T>& a,
+                  Matrix<T>& inverse) {
+  const Eigen::Index rows = K.rows();
+  for (Eigen::Index j = 0; j < rows; ++j) {
+    const Eigen::Index left = rows - j;
+    auto column = inverse.col(j).tail(left).array();
+    column = T(0.5) * K.col(j).tail(left).array() *
+             (v.tail(left) * t[j] + t.tail(left) * v[j] + a.tail(left) * a[j] - column * (root.tail(left) * root[j]));
+  }
 }
 
-/// Evidence and gradient at a mode (equation 3.32 and algorithm 5.1). Z: [row x variable]. Overwrites the matrices but
-/// for the kernel.
-LaplaceEvidence evidence_at(const torch::Tensor& Z, Matrices& matrices, const RowLikelihood& likelihood,
-                            const Mode& mode, const KernelLogs& logs) {
+/// Evidence and gradient at a mode (equation 3.32 and algorithm 5.1). Z: [row x variable]. Overwrites the factor.
+template <class T>
+LaplaceEvidence evidence_at(const Matrix<T>& Z, Matrices<T>& matrices, const RowLikelihood<T>& likelihood,
+                            const Mode<T>& mode, const KernelLogs& logs) {
   if (!mode.found) return {.value = -INFINITY, .gradient = std::vector<double>(logs.size(), 0.0)};
   LaplaceEvidence evidence;
-  evidence.value = mode.log_posterior - matrices.lower.diagonal().log().sum().item<double>();
-  matrices.invert();
-  const torch::Tensor &K = matrices.K, &inverse = matrices.symmetric;  // of B
+  evidence.value = mode.log_posterior - half_log_determinant(matrices.factor);
+  invert_factored(matrices.factor);
+  const Matrix<T>&K = matrices.K, &inverse = matrices.factor;  // of B
   // (K^-1 + W)^-1 = W^-1/2 (I - B^-1) W^-1/2: its diagonal without another system of equations.
-  const torch::Tensor variance = (1 - inverse.diagonal()) / mode.root.square().clamp_min(1e-12);
-  const torch::Tensor s2 = 0.5 * variance * likelihood.third(mode.f);
+  const Column<T> variance = (1 - inverse.diagonal().array()) / mode.root.square().max(T(1e-12));
+  const Column<T> s2 = T(0.5) * variance * likelihood.third(mode.f);
   // Every derivative is sum_ab M_ab dK_ab: s1 and s2' s3 of algorithm 5.1 are linear in dK.
-  const torch::Tensor v = s2 - mode.root * torch::mv(inverse, mode.root * torch::mv(K, s2));
-  const torch::Tensor slope = likelihood.slope(mode.f);
-  AT_DISPATCH_FLOATING_TYPES(K.scalar_type(), "evidence", [&] {
-    weigh_kernel(K.data_ptr<scalar_t>(), mode.root.data_ptr<scalar_t>(), v.data_ptr<scalar_t>(),
-                 slope.data_ptr<scalar_t>(), mode.a.data_ptr<scalar_t>(), K.size(0), inverse.data_ptr<scalar_t>());
-  });
-  evidence.gradient = kernel_slopes(Z, inverse, logs);
+  const Column<T> v = s2 - mode.root * symmetric_product<T>(inverse, mode.root * symmetric_product<T>(K, s2));
+  weigh_kernel<T>(K, mode.root, v, likelihood.slope(mode.f), mode.a, matrices.factor);
+  evidence.gradient = kernel_slopes(Z, matrices.factor, logs);
   return evidence;
 }
 
 // The process on a table.
 
-/// Rows of a table as tensors.
+/// Rows of a table.
+template <class T>
 struct LabelledInputs {
-  torch::Tensor Z;  // [row x variable], standardised
-  RowLikelihood likelihood;
-  torch::Tensor mean;  // of f [row]
-  LabelledInputs to(torch::Dtype type) const {
-    return {Z.to(type), {likelihood.sign.to(type), likelihood.weight.to(type)}, mean.to(type)};
+  Matrix<T> Z;  // [row x variable], standardised
+  RowLikelihood<T> likelihood;
+  Column<T> mean;  // of f [row]
+  template <class To>
+  LabelledInputs<To> to() const {
+    return {Z.template cast<To>(),
+            {likelihood.sign.template cast<To>(), likelihood.weight.template cast<To>()},
+            mean.template cast<To>()};
   }
 };
 
-torch::Tensor column(std::span<const double> values) {
-  return torch::tensor(std::vector<double>(values.begin(), values.end()), torch::kFloat64);
+Column<double> column(std::span<const double> values) {
+  return Eigen::Map<const Column<double>>(values.data(), Eigen::Index(values.size()));
 }
 
 /// `mean`, or 0 of every row.
-torch::Tensor mean_or_zero(std::span<const double> mean, std::size_t rows) {
+Column<double> mean_or_zero(std::span<const double> mean, std::size_t rows) {
   GONOGO_ASSERT(mean.empty() || mean.size() == rows);
-  return mean.empty() ? torch::zeros({std::int64_t(rows)}, torch::kFloat64) : column(mean);
+  return mean.empty() ? Column<double>(Column<double>::Zero(Eigen::Index(rows))) : column(mean);
 }
 
-torch::Tensor standardised_rows(const Standardisation& scaling, std::span<const double> points) {
+Matrix<double> standardised_rows(const Standardisation& scaling, std::span<const double> points) {
   const std::size_t width = scaling.mean.size();
-  torch::Tensor Z = torch::empty({std::int64_t(points.size() / width), std::int64_t(width)}, torch::kFloat64);
-  double* cell = Z.data_ptr<double>();
-  for (std::size_t k = 0; k < points.size(); ++k) cell[k] = scaling.standardised(k % width, points[k]);
+  Matrix<double> Z(Eigen::Index(points.size() / width), Eigen::Index(width));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    Z(Eigen::Index(k / width), Eigen::Index(k % width)) = scaling.standardised(k % width, points[k]);
   return Z;
 }
 
-RowLikelihood row_likelihood(std::span<const int> label, std::span<const double> weight) {
+RowLikelihood<double> row_likelihood(std::span<const int> label, std::span<const double> weight) {
   std::vector<double> sign;
   for (int y : label) sign.push_back(y ? 1 : -1);
-  return {torch::tensor(sign, torch::kFloat64), column(weight)};
+  return {column(sign), column(weight)};
 }
 
-LabelledInputs labelled(const TrainingTable& table, std::span<const int> label, const Standardisation& scaling,
-                        std::span<const double> mean) {
+LabelledInputs<double> labelled(const TrainingTable& table, std::span<const int> label, const Standardisation& scaling,
+                                std::span<const double> mean) {
   return {standardised_rows(scaling, table.variables), row_likelihood(label, table.weight),
           mean_or_zero(mean, table.row_count())};
 }
 
 /// At most `most` of `count` rows, ascending.
-torch::Tensor some_of(std::size_t count, std::size_t most, std::uint64_t seed) {
-  if (count <= most) return torch::arange(std::int64_t(count), torch::kInt64);
+std::vector<Eigen::Index> some_of(std::size_t count, std::size_t most, std::uint64_t seed) {
   std::vector<std::size_t> order = permutation(count, seed, kSearchRows);
-  std::vector<std::int64_t> chosen(order.begin(), order.begin() + std::ptrdiff_t(most));
+  std::vector<Eigen::Index> chosen(order.begin(), order.begin() + std::ptrdiff_t(std::min(count, most)));
   std::sort(chosen.begin(), chosen.end());
-  return torch::tensor(chosen, torch::kInt64);
+  return chosen;
 }
 
-LabelledInputs some_rows(const LabelledInputs& rows, std::size_t most, std::uint64_t seed) {
-  const torch::Tensor index = some_of(std::size_t(rows.Z.size(0)), most, seed);
-  return {rows.Z.index_select(0, index),
-          {rows.likelihood.sign.index_select(0, index), rows.likelihood.weight.index_select(0, index)},
-          rows.mean.index_select(0, index)};
+LabelledInputs<double> some_rows(const LabelledInputs<double>& rows, std::size_t most, std::uint64_t seed) {
+  const std::vector<Eigen::Index> index = some_of(std::size_t(rows.Z.rows()), most, seed);
+  return {rows.Z(index, Eigen::all), {rows.likelihood.sign(index), rows.likelihood.weight(index)}, rows.mean(index)};
 }
 
 // Search of lengths and variances.
@@ -335,34 +297,38 @@ std::vector<std::size_t> stages(std::size_t rows, const GaussianProcessSettings&
 /// The logs of a search, and the rows and a of the mode found last.
 struct FoundKernel {
   KernelLogs logs;
-  torch::Tensor Z{}, a{};
-  /// The latent function that it expects of rows. Z: [row x variable]
-  torch::Tensor expected(const LabelledInputs& rows) const {
-    if (!a.defined()) return {};
-    const auto type = rows.Z.scalar_type();
-    return rows.mean + torch::mv(kernel(rows.Z, this->Z.to(type), logs), a.to(type));
+  Matrix<double> Z{};
+  Column<double> a{};
+  /// The latent function that it expects of rows; none before a mode was found. Z: [row x variable]
+  template <class T>
+  Column<T> expected(const LabelledInputs<T>& rows) const {
+    if (a.size() == 0) return {};
+    const Matrix<T> from = Z.template cast<T>();
+    return rows.mean + (kernel<T>(rows.Z, from, logs) * a.template cast<T>().matrix()).array();
   }
 };
 
-FoundKernel searched(const LabelledInputs& all, const GaussianProcessSettings& settings) {
-  KernelLogs centre(std::size_t(all.Z.size(1)), std::log(settings.prior_length));
+FoundKernel searched(const LabelledInputs<double>& all, const GaussianProcessSettings& settings) {
+  using T = Searched;
+  KernelLogs centre(std::size_t(all.Z.cols()), std::log(settings.prior_length));
   centre.push_back(std::log(settings.prior_variance));
   KernelSearch search(std::move(centre), settings.prior_width);
   FoundKernel found;
-  for (const std::size_t count : stages(std::size_t(all.Z.size(0)), settings)) {
-    const LabelledInputs rows = some_rows(all, count, settings.seed).to(kSearched);
-    Matrices matrices(rows.Z.size(0), kSearched);
-    torch::Tensor start = found.expected(rows), a;
+  for (const std::size_t count : stages(std::size_t(all.Z.rows()), settings)) {
+    const LabelledInputs<double> exact = some_rows(all, count, settings.seed);
+    const LabelledInputs<T> rows = exact.to<T>();
+    Matrices<T> matrices(rows.Z.rows());
+    Column<T> start = found.expected(rows), a;
     search.run(
         [&](const KernelLogs& logs) {
-          fill_kernel(rows.Z, rows.Z, logs, matrices.K);
-          if (a.defined()) start = rows.mean + torch::mv(matrices.K, a);
-          const Mode mode = find_mode(matrices, rows.likelihood, rows.mean, start, kRough);
+          fill_kernel(rows.Z, logs, matrices.K);
+          if (a.size() > 0) start = rows.mean + symmetric_product<T>(matrices.K, a);
+          const Mode<T> mode = find_mode(matrices, rows.likelihood, rows.mean, start, kRough);
           if (mode.found) a = mode.a;
           return evidence_at(rows.Z, matrices, rows.likelihood, mode, logs);
         },
         count, settings.search_steps);
-    found = {search.logs(), rows.Z, a};
+    found = {search.logs(), exact.Z, a.cast<double>()};
   }
   return found;
 }
@@ -387,20 +353,23 @@ double mean_sigmoid(const Latent& f) {
 }  // namespace
 
 struct GaussianProcessModel::Rows {
-  torch::Tensor Z, slope, root, lower;  // Mode, and the slope of the log likelihood there
+  Matrix<double> Z;
+  Column<double> slope, root;  // the slope of the log likelihood at the mode, and that of Mode
+  Matrix<double> factor;       // of Matrices at the mode
 };
 
 /// Makes models, which only these functions may fill.
 struct ProcessMaker {
-  static GaussianProcessModel make(const TrainingTable& table, const LabelledInputs& rows, const FoundKernel& found) {
+  static GaussianProcessModel make(const TrainingTable& table, const LabelledInputs<double>& rows,
+                                   const FoundKernel& found) {
     GaussianProcessModel model;
     model.scaling_ = standardisation_of(table);
     model.logs_ = found.logs;
-    Matrices matrices(rows.Z.size(0), torch::kFloat64);
-    fill_kernel(rows.Z, rows.Z, found.logs, matrices.K);
-    const Mode mode = find_mode(matrices, rows.likelihood, rows.mean, found.expected(rows), kExact);
+    Matrices<double> matrices(rows.Z.rows());
+    fill_kernel(rows.Z, found.logs, matrices.K);
+    const Mode<double> mode = find_mode(matrices, rows.likelihood, rows.mean, found.expected(rows), kExact);
     model.rows_ = std::make_shared<const GaussianProcessModel::Rows>(
-        GaussianProcessModel::Rows{rows.Z, rows.likelihood.slope(mode.f), mode.root, matrices.lower});
+        GaussianProcessModel::Rows{rows.Z, rows.likelihood.slope(mode.f), mode.root, std::move(matrices.factor)});
     return model;
   }
 };
@@ -408,46 +377,58 @@ struct ProcessMaker {
 LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const int> label,
                                  std::span<const double> weight, const KernelLogs& logs) {
   GONOGO_ASSERT(inputs.size() == label.size() * (logs.size() - 1) && weight.size() == label.size());
-  const OneTorchThread one_thread;
-  const torch::Tensor Z = torch::tensor(std::vector<double>(inputs.begin(), inputs.end()), torch::kFloat64)
-                              .reshape({std::int64_t(label.size()), std::int64_t(logs.size()) - 1});
-  const RowLikelihood likelihood = row_likelihood(label, weight);
-  Matrices matrices(Z.size(0), torch::kFloat64);
-  fill_kernel(Z, Z, logs, matrices.K);
-  return evidence_at(Z, matrices, likelihood,
-                     find_mode(matrices, likelihood, mean_or_zero({}, label.size()), {}, kExact), logs);
+  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Matrix<double> Z =
+      Eigen::Map<const ByRows>(inputs.data(), Eigen::Index(label.size()), Eigen::Index(logs.size()) - 1);
+  const RowLikelihood<double> likelihood = row_likelihood(label, weight);
+  Matrices<double> matrices(Z.rows());
+  fill_kernel(Z, logs, matrices.K);
+  const Mode<double> mode = find_mode(matrices, likelihood, mean_or_zero({}, label.size()), Column<double>(), kExact);
+  return evidence_at(Z, matrices, likelihood, mode, logs);
 }
 
 GaussianProcessModel gaussian_process_with(const TrainingTable& table, std::span<const int> label,
                                            const KernelLogs& logs, std::span<const double> mean) {
   GONOGO_ASSERT(label.size() == table.row_count() && logs.size() == table.variable_count + 1);
-  const OneTorchThread one_thread;
   return ProcessMaker::make(table, labelled(table, label, standardisation_of(table), mean), {logs});
 }
 
 GaussianProcessModel fit_gaussian_process(const TrainingTable& table, std::span<const int> label,
                                           const GaussianProcessSettings& settings, std::span<const double> mean) {
   GONOGO_ASSERT(label.size() == table.row_count());
-  const OneTorchThread one_thread;
-  const LabelledInputs rows = labelled(table, label, standardisation_of(table), mean);
+  const LabelledInputs<double> rows = labelled(table, label, standardisation_of(table), mean);
   return ProcessMaker::make(table, rows, searched(rows, settings));
 }
 
+namespace {
+
+/// Calls visit(first, points) for the next kBlock standardised points, [point x variable], again and again.
+template <class Visit>
+void for_each_block(const Standardisation& scaling, std::span<const double> points, const Visit& visit) {
+  const std::size_t width = scaling.mean.size(), block = std::size_t(kBlock) * width;
+  for (std::size_t first = 0; first < points.size(); first += block) {
+    stop_if_cancelled();
+    visit(Eigen::Index(first / width),
+          standardised_rows(scaling, points.subspan(first, std::min(block, points.size() - first))));
+  }
+}
+
+}  // namespace
+
 std::vector<Latent> GaussianProcessModel::latent(std::span<const double> points, std::span<const double> mean) const {
-  const OneTorchThread one_thread;
-  const torch::Tensor all = standardised_rows(scaling_, points), m = mean_or_zero(mean, std::size_t(all.size(0)));
+  const Column<double> m = mean_or_zero(mean, points.size() / scaling_.mean.size());
   const double prior = std::exp(logs_.back());
   std::vector<Latent> result;
-  for (std::int64_t first = 0; first < all.size(0); first += kBlock) {
-    stop_if_cancelled();
-    const std::int64_t last = std::min(first + kBlock, all.size(0));
-    const torch::Tensor k = kernel(rows_->Z, all.slice(0, first, last), logs_);
-    const torch::Tensor f = m.slice(0, first, last) + torch::mv(k.t(), rows_->slope);  // equation 3.21
-    const torch::Tensor v = torch::linalg_solve_triangular(rows_->lower, k * rows_->root.unsqueeze(1), false);
-    const torch::Tensor less = v.square().sum(0);
-    for (std::int64_t i = 0; i < f.size(0); ++i)
-      result.push_back({f[i].item<double>(), std::max(0.0, prior - less[i].item<double>())});  // equation 3.24
-  }
+  for_each_block(scaling_, points, [&](Eigen::Index first, const Matrix<double>& block) {
+    Matrix<double> k = kernel(rows_->Z, block, logs_);
+    const Column<double> f =
+        m.segment(first, block.rows()) + (k.transpose() * rows_->slope.matrix()).array();  // equation 3.21
+    k = rows_->root.matrix().asDiagonal() * k;
+    rows_->factor.triangularView<Eigen::Lower>().solveInPlace(k);
+    const Column<double> less = k.colwise().squaredNorm().transpose().array();
+    for (Eigen::Index i = 0; i < f.size(); ++i)
+      result.push_back({f[i], std::max(0.0, prior - less[i])});  // equation 3.24
+  });
   return result;
 }
 
@@ -460,16 +441,13 @@ std::vector<double> GaussianProcessModel::probabilities(std::span<const double> 
 
 std::vector<double> GaussianProcessModel::most_probable(std::span<const double> points,
                                                         std::span<const double> mean) const {
-  const OneTorchThread one_thread;
-  const torch::Tensor all = standardised_rows(scaling_, points), m = mean_or_zero(mean, std::size_t(all.size(0)));
+  const Column<double> m = mean_or_zero(mean, points.size() / scaling_.mean.size());
   std::vector<double> p;
-  for (std::int64_t first = 0; first < all.size(0); first += kBlock) {
-    stop_if_cancelled();
-    const std::int64_t last = std::min(first + kBlock, all.size(0));
-    const torch::Tensor k = kernel(rows_->Z, all.slice(0, first, last), logs_);
-    const torch::Tensor block = torch::sigmoid(m.slice(0, first, last) + torch::mv(k.t(), rows_->slope)).contiguous();
-    p.insert(p.end(), block.data_ptr<double>(), block.data_ptr<double>() + block.numel());
-  }
+  for_each_block(scaling_, points, [&](Eigen::Index first, const Matrix<double>& block) {
+    const Column<double> f = (kernel(block, rows_->Z, logs_) * rows_->slope.matrix()).array();
+    const Column<double> at = sigmoid<double>(m.segment(first, block.rows()) + f);
+    p.insert(p.end(), at.begin(), at.end());
+  });
   return p;
 }
 
@@ -478,54 +456,59 @@ double GaussianProcessModel::operator()(std::span<const double> variables) const
 // Regression.
 
 struct GaussianRegression::Rows {
-  torch::Tensor Z, slope;  // [row x variable]; (K + noise)^-1 t [row]
+  Matrix<double> Z;
+  Column<double> slope;  // (K + noise)^-1 t [row]
 };
 
 namespace {
 
 constexpr double kJitter = 1e-8;  // least share of noise in a standardised target
 
-/// k + c (1 + z z'). logs: as GaussianRegression::logs().
-torch::Tensor trend_kernel(const torch::Tensor& a, const torch::Tensor& b, const std::vector<double>& logs) {
-  const KernelLogs smooth(logs.begin(), logs.end() - 2);
-  return kernel(a, b, smooth).add_(torch::matmul(a, b.t()).add_(1), std::exp(logs[logs.size() - 2]));
-}
-
 /// Variance of every row's noise, for unit weights 1 / w.
-torch::Tensor noise(const torch::Tensor& inverse_weight, const std::vector<double>& logs) {
+Column<double> noise(const Column<double>& inverse_weight, const std::vector<double>& logs) {
   return inverse_weight * std::exp(logs.back()) + kJitter;
 }
 
-/// Overwrites C^-1 with M = 1/2 (a a' - C^-1).
-void to_slopes(const torch::Tensor& a, torch::Tensor& inverse) {
-  const std::int64_t rows = a.size(0);
-  const double* at = a.data_ptr<double>();
-  double* out = inverse.data_ptr<double>();
-  for (std::int64_t i = 0; i < rows; ++i, out += rows)
-    for (std::int64_t j = 0; j < rows; ++j) out[j] = 0.5 * (at[i] * at[j] - out[j]);
+/// Writes the smooth kernel and the factor of k + c (1 + z z') + noise. Whether that is positive definite. logs: as
+/// GaussianRegression::logs().
+bool factorise_trend(const Matrix<double>& Z, const Column<double>& inverse_weight, const std::vector<double>& logs,
+                     Matrices<double>& matrices) {
+  const double trend = std::exp(logs[logs.size() - 2]);
+  fill_kernel(Z, KernelLogs(logs.begin(), logs.end() - 2), matrices.K);
+  Matrix<double>& C = matrices.factor;
+  for (Eigen::Index j = 0; j < C.cols(); ++j)
+    C.col(j).tail(C.rows() - j).array() = matrices.K.col(j).tail(C.rows() - j).array() + trend;
+  C.selfadjointView<Eigen::Lower>().rankUpdate(Z, trend);
+  C.diagonal().array() += noise(inverse_weight, logs);
+  return factorise(C);
 }
 
 /// Equation 2.30 and its gradient (5.9). t: standardised targets.
-LaplaceEvidence regression_evidence(const torch::Tensor& Z, const torch::Tensor& t, const torch::Tensor& inverse_weight,
-                                    const std::vector<double>& logs, Matrices& matrices) {
-  const KernelLogs smooth(logs.begin(), logs.end() - 2);
-  const double trend = std::exp(logs[logs.size() - 2]), level = std::exp(logs.back());
-  fill_kernel(Z, Z, smooth, matrices.K);
-  torch::addmm_out(matrices.symmetric, matrices.K, Z, Z.t(), 1, trend);
-  matrices.symmetric.add_(trend).diagonal().add_(noise(inverse_weight, logs));
-  if (!matrices.factorise()) return {.value = -INFINITY, .gradient = std::vector<double>(logs.size(), 0.0)};
-  matrices.invert();
-  torch::Tensor& M = matrices.symmetric;
-  const torch::Tensor a = torch::mv(M, t);
+LaplaceEvidence regression_evidence(const Matrix<double>& Z, const Column<double>& t,
+                                    const Column<double>& inverse_weight, const std::vector<double>& logs,
+                                    Matrices<double>& matrices) {
+  if (!factorise_trend(Z, inverse_weight, logs, matrices))
+    return {.value = -INFINITY, .gradient = std::vector<double>(logs.size(), 0.0)};
   LaplaceEvidence evidence;
-  evidence.value = -0.5 * scalar_product(t, a) - matrices.lower.diagonal().log().sum().item<double>();
-  to_slopes(a, M);
-  const torch::Tensor of_noise = (M.diagonal() * inverse_weight).sum();
-  const torch::Tensor with_ones = torch::cat({Z, torch::ones({Z.size(0), 1}, Z.options())}, 1);
-  const torch::Tensor of_trend = (torch::matmul(M, with_ones) * with_ones).sum();  // sum_ab M_ab (1 + z_a z_b)
-  evidence.gradient = kernel_slopes(Z, M.mul_(matrices.K), logs);
-  evidence.gradient.push_back(of_trend.item<double>() * trend);
-  evidence.gradient.push_back(of_noise.item<double>() * level);
+  evidence.value = -half_log_determinant(matrices.factor);
+  invert_factored(matrices.factor);
+  Matrix<double>& M = matrices.factor;  // 1/2 (a a' - C^-1)
+  const Column<double> a = symmetric_product<double>(M, t);
+  evidence.value -= 0.5 * scalar_product<double>(t, a);
+  const Eigen::Index rows = Z.rows();
+  for (Eigen::Index j = 0; j < rows; ++j) {
+    auto column = M.col(j).tail(rows - j).array();
+    column = 0.5 * (a.tail(rows - j) * a[j] - column);
+  }
+  const double of_noise = (M.diagonal().array() * inverse_weight).sum();
+  Matrix<double> with_ones(rows, Z.cols() + 1);
+  with_ones << Z, Column<double>::Ones(rows).matrix();
+  const Matrix<double> products = M.selfadjointView<Eigen::Lower>() * with_ones;
+  const double of_trend = products.cwiseProduct(with_ones).sum();  // sum_ab M_ab (1 + z_a z_b)
+  for (Eigen::Index j = 0; j < rows; ++j) M.col(j).tail(rows - j).array() *= matrices.K.col(j).tail(rows - j).array();
+  evidence.gradient = kernel_slopes(Z, M, logs);
+  evidence.gradient.push_back(of_trend * std::exp(logs[logs.size() - 2]));
+  evidence.gradient.push_back(of_noise * std::exp(logs.back()));
   return evidence;
 }
 
@@ -534,24 +517,23 @@ LaplaceEvidence regression_evidence(const torch::Tensor& Z, const torch::Tensor&
 GaussianRegression fit_gaussian_regression(const TrainingTable& table, std::span<const double> target,
                                            const GaussianProcessSettings& settings) {
   GONOGO_ASSERT(target.size() == table.row_count());
-  const OneTorchThread one_thread;
   GaussianRegression model;
   model.scaling_ = standardisation_of(table);
-  const torch::Tensor Z = standardised_rows(model.scaling_, table.variables);
-  torch::Tensor t = column(target);
-  model.mean_ = t.mean().item<double>();
+  const Matrix<double> Z = standardised_rows(model.scaling_, table.variables);
+  Column<double> t = column(target);
+  model.mean_ = t.mean();
   t -= model.mean_;
-  model.scale_ = std::max(std::sqrt(t.square().mean().item<double>()), kJitter);
+  model.scale_ = std::max(std::sqrt(t.square().mean()), kJitter);
   t /= model.scale_;
-  const torch::Tensor inverse_weight = 1 / column(table.weight);
+  const Column<double> inverse_weight = 1 / column(table.weight);
   std::vector<double> centre(table.variable_count, std::log(settings.prior_length));
   centre.insert(centre.end(), {0, std::log(0.1), std::log(0.1)});
   KernelSearch search(std::move(centre), settings.prior_width);
   for (const std::size_t count : stages(table.row_count(), settings)) {
-    const torch::Tensor some = some_of(table.row_count(), count, settings.seed);
-    const torch::Tensor some_Z = Z.index_select(0, some), some_t = t.index_select(0, some);
-    const torch::Tensor some_weight = inverse_weight.index_select(0, some);
-    Matrices matrices(some_Z.size(0), torch::kFloat64);
+    const std::vector<Eigen::Index> some = some_of(table.row_count(), count, settings.seed);
+    const Matrix<double> some_Z = Z(some, Eigen::all);
+    const Column<double> some_t = t(some), some_weight = inverse_weight(some);
+    Matrices<double> matrices(some_Z.rows());
     search.run(
         [&](const std::vector<double>& logs) {
           return regression_evidence(some_Z, some_t, some_weight, logs, matrices);
@@ -559,25 +541,31 @@ GaussianRegression fit_gaussian_regression(const TrainingTable& table, std::span
         count, settings.search_steps);
   }
   model.logs_ = search.logs();
-  torch::Tensor K = trend_kernel(Z, Z, model.logs_);
-  K.diagonal().add_(noise(inverse_weight, model.logs_));
-  const torch::Tensor inverse = torch::cholesky_inverse(torch::linalg_cholesky(K.t())), a = torch::mv(inverse, t);
-  const torch::Tensor left = ((t - a / inverse.diagonal()) * model.scale_ + model.mean_).contiguous();
-  model.leave_one_out_.assign(left.data_ptr<double>(), left.data_ptr<double>() + left.numel());
+  Matrices<double> matrices(Z.rows());
+  if (!factorise_trend(Z, inverse_weight, model.logs_, matrices))
+    throw InputError(
+        "regression of speeds: its covariance is not positive definite; are there trials with the same "
+        "variables and a very large weight?");
+  invert_factored(matrices.factor);
+  const Column<double> a = symmetric_product<double>(matrices.factor, t);
+  const Column<double> left = (t - a / matrices.factor.diagonal().array()) * model.scale_ + model.mean_;
+  model.leave_one_out_.assign(left.begin(), left.end());
   model.rows_ = std::make_shared<const GaussianRegression::Rows>(GaussianRegression::Rows{Z, a});
   return model;
 }
 
 std::vector<double> GaussianRegression::operator()(std::span<const double> points) const {
-  const OneTorchThread one_thread;
-  const torch::Tensor all = standardised_rows(scaling_, points);
+  const KernelLogs smooth(logs_.begin(), logs_.end() - 2);
+  const double trend = std::exp(logs_[logs_.size() - 2]);
+  // c (1 + z z') a of all rows at once.
+  const Column<double>& a = rows_->slope;
+  const Eigen::VectorXd tilt = trend * (rows_->Z.transpose() * a.matrix());
+  const double level = trend * a.sum();
   std::vector<double> result;
-  for (std::int64_t first = 0; first < all.size(0); first += kBlock) {
-    stop_if_cancelled();
-    const torch::Tensor k = trend_kernel(all.slice(0, first, std::min(first + kBlock, all.size(0))), rows_->Z, logs_);
-    const torch::Tensor t = (torch::mv(k, rows_->slope) * scale_ + mean_).contiguous();
-    result.insert(result.end(), t.data_ptr<double>(), t.data_ptr<double>() + t.numel());
-  }
+  for_each_block(scaling_, points, [&](Eigen::Index, const Matrix<double>& block) {
+    const Column<double> f = (kernel(block, rows_->Z, smooth) * a.matrix() + block * tilt).array() + level;
+    for (const double x : f) result.push_back(x * scale_ + mean_);
+  });
   return result;
 }
 

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <mutex>
 
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/hdf5/hdf5.h"
 #include "base/math/random.h"
+#include "base/parallel/host_loop.h"
 #include "base/progress.h"
 #include "base/version.h"
 #include "learning/rbm/train.h"
@@ -219,17 +221,28 @@ class Teachers {
            const std::vector<double>& points, const KeptWork& kept)
       : in_(in), fold_(fold), points_(points), kept_(kept), answers_(fold_count + 1) {}
 
-  /// Fits those that were not kept, one after the other: two threads in OpenBLAS 0.3.21 (serial) gave other bits from
-  /// run to run.
+  /// Fits those that were not kept, as many at a time as there are cores.
   void fit() {
-    for (std::size_t machine = 0; machine < answers_.size(); ++machine) {
-      std::optional<ProcessAnswers>& answers = answers_[machine];
-      answers = kept_.process(machine);
-      if (answers) continue;
+    std::mutex keeping;  // HDF5 has one thread
+    for (std::size_t machine = 0; machine < answers_.size(); ++machine) answers_[machine] = kept_.process(machine);
+    std::vector<std::pair<std::size_t, bool>> tasks;  // machine, whether it teaches; what takes longer first
+    for (const bool teaches : {true, false})
+      for (std::size_t machine = answers_.size(); machine-- > 0;)
+        if (!answers_[machine]) tasks.emplace_back(machine, teaches);
+    std::vector<ProcessAnswers> found(answers_.size());
+    std::vector<int> left(answers_.size(), 2);
+    for_each_on_host(tasks.size(), 1, [&](std::size_t k) {
+      const auto [machine, teaches] = tasks[k];
       const bool has_fold = machine + 1 < answers_.size();
-      answers = ProcessAnswers{has_fold ? forecasts(machine) : std::vector<double>(), taught(machine)};
-      kept_.keep_process(machine, *answers);
-    }
+      if (teaches)
+        found[machine].taught = taught(machine);
+      else if (has_fold)
+        found[machine].held_out = forecasts(machine);
+      const std::lock_guard lock(keeping);
+      if (--left[machine] > 0) return;
+      kept_.keep_process(machine, found[machine]);
+      answers_[machine] = std::move(found[machine]);
+    });
   }
 
   /// What a machine is taught; none without a weight.
