@@ -544,7 +544,7 @@ GaussianRegression fit_gaussian_regression(const TrainingTable& table, std::span
   Matrices<double> matrices(Z.rows());
   if (!factorise_trend(Z, inverse_weight, model.logs_, matrices))
     throw InputError(
-        "regression of speeds: its covariance is not positive definite; are there trials with the same "
+        "Gaussian regression: its covariance is not positive definite; are there trials with the same "
         "variables and a very large weight?");
   invert_factored(matrices.factor);
   const Column<double> a = symmetric_product<double>(matrices.factor, t);

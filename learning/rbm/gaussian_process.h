@@ -1,4 +1,4 @@
-// Gaussian processes on LibTorch: a classifier, baseline of every model and teacher of machines, and a regression.
+// Gaussian processes: a classifier, baseline of every model and teacher of machines, and a regression.
 // Rasmussen & Williams, "Gaussian Processes for Machine Learning" (2006); equations and algorithms below are theirs.
 //
 //   P(1 | f) = sigmoid(f),  f ~ GP(m, k),  k(x, x') = s exp(-1/2 sum_v (z_v - z'_v)^2 / l_v^2),  z as in baselines.h
@@ -62,8 +62,8 @@ class GaussianProcessModel {
 };
 
 /// Searches l_v and s and takes the posterior. label: [row_count()] of {0, 1}; mean: m of every row, or empty.
-/// Deterministic in the seed. Takes time proportional to the cube of the rows: 100 rows less than 0.1 s, 3,000 rows
-/// less than a minute.
+/// Deterministic in the seed, whatever other threads do. Takes time proportional to the cube of the rows: 100 rows less
+/// than 0.1 s, 3,000 rows less than a minute.
 GaussianProcessModel fit_gaussian_process(const TrainingTable& table, std::span<const int> label,
                                           const GaussianProcessSettings& settings = {},
                                           std::span<const double> mean = {});

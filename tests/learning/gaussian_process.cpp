@@ -8,7 +8,9 @@
 #include <cstdio>
 
 #include "base/math/random.h"
+#include "base/parallel/host_loop.h"
 #include "learning/rbm/baselines.h"
+#include "learning/rbm/dense/symmetric.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"
 #include "tests/support/catch.h"
@@ -93,6 +95,61 @@ double mean_sigmoid(const Latent& f) {
 }
 
 }  // namespace
+
+TEMPLATE_TEST_CASE("a factor gives the matrix back, and times its inverse the identity", "", float, double) {
+  using T = TestType;
+  const double exact = sizeof(T) == 4 ? 1e-4 : 1e-12;
+  for (const Eigen::Index rows : {1, 7, 31, 32, 33, 64, 100, 257}) {
+    Matrix<T> S(rows, rows);
+    for (Eigen::Index i = 0; i < rows; ++i)
+      for (Eigen::Index j = 0; j < rows; ++j) S(i, j) = T(std::exp(-0.1 * std::abs(double(i - j))) + (i == j));
+    Matrix<T> L = S;
+    L.template triangularView<Eigen::StrictlyUpper>().setConstant(T(NAN));  // is not read
+    REQUIRE(factorise(L));
+    Matrix<T> inverse = L;
+    invert_factored(inverse);
+    const Column<T> ones = Column<T>::Ones(rows), x = factored_solution<T>(L, ones);
+    double worst = 0;
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      double of_x = 0;
+      for (Eigen::Index j = 0; j < rows; ++j) {
+        double of_factor = 0, of_inverse = 0;
+        for (Eigen::Index k = 0; k < rows; ++k) {
+          if (k <= std::min(i, j)) of_factor += double(L(i, k)) * double(L(j, k));
+          of_inverse += double(S(i, k)) * double(inverse(std::max(k, j), std::min(k, j)));
+        }
+        of_x += double(S(i, j)) * double(x[j]);
+        worst = std::max({worst, std::abs(of_factor - double(S(i, j))), std::abs(of_inverse - double(i == j))});
+      }
+      worst = std::max(worst, std::abs(of_x - 1));
+    }
+    CAPTURE(rows);
+    CHECK(worst < exact);
+  }
+  Matrix<T> saddle(2, 2);
+  saddle << 1, 2, 2, 1;
+  CHECK(!factorise(saddle));
+}
+
+TEST_CASE("processes and regressions that are fitted at the same time have the bits of one alone") {
+  const TrainingTable table = boundary_table(250, 4, Boundary::curved);
+  const std::vector<int> label = labels_of(table);
+  std::vector<double> target;
+  for (std::size_t n = 0; n < table.row_count(); ++n) target.push_back(std::tanh(table.row(n)[0]));
+  const auto answers = [&] {
+    std::vector<double> all = fit_gaussian_process(table, label).probabilities(table.variables);
+    for (const std::vector<double>& more :
+         {fit_gaussian_regression(table, target).leave_one_out(), fit_quadratic(table, label).of_terms.weight,
+          fit_network(table, label, {.max_epochs = 20}).input_weight})
+      all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  const std::vector<double> alone = answers();
+  std::vector<std::vector<double>> together(8);
+  for_each_on_host(
+      together.size(), 1, [&](std::size_t k) { together[k] = answers(); }, 4);
+  for (const std::vector<double>& found : together) CHECK(found == alone);
+}
 
 TEST_CASE("evidence and its gradient agree with dense determinants and finite differences") {
   const TrainingTable table = small_table();

@@ -27,7 +27,8 @@ struct Quarters {
   }
 };
 
-constexpr Eigen::Index kSmall = 32;  // rows of a block that is not divided again; more than what a quarter is rounded by
+constexpr Eigen::Index kSmall =
+    32;  // rows of a block that is not divided again; more than what a quarter is rounded by
 
 /// Overwrites a lower triangle L with L^-1.
 template <class T>

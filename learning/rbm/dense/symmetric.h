@@ -1,5 +1,5 @@
-// Cholesky factors and inverses of symmetric matrices, of which the lower triangle is given, on Eigen. Their bits do not
-// depend on the number of threads, and any number of threads may call them at once. Only inside learning/rbm.
+// Cholesky factors and inverses of symmetric matrices, of which the lower triangle is given, on Eigen. Their bits do
+// not depend on the number of threads, and any number of threads may call them at once. Only inside learning/rbm.
 #pragma once
 #include <Eigen/Dense>
 
