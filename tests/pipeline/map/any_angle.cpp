@@ -199,6 +199,48 @@ TEST_CASE(
   WARN("any direction " << least << " to " << worst << ", eight directions up to " << plain << ", of " << compared);
 }
 
+TEST_CASE("a search from both ends finds ways that cost what relaxing every step again and again finds") {
+  const auto table = made_table();
+  int found = 0, closed = 0;
+  for (const std::uint64_t seed : {4u, 5u, 6u, 7u}) {
+    const RouteCells cells = made_cells(40, 30, seed);
+    const RouteCosts costs(table, seed % 2 ? RouteCost::risk : RouteCost::length, 100);
+    const std::vector<LineStep> steps = line_steps(cells, false);
+    for (std::uint64_t k = 0; k < 12; ++k) {
+      const auto start = std::uint32_t(random_bits(seed, 2, k) % 1200),
+                 end = std::uint32_t(random_bits(seed, 3, k) % 1200);
+      std::vector<double> least(1200, INFINITY);
+      least[start] = 0;
+      for (bool changed = true; changed;) {
+        changed = false;
+        for (std::uint32_t from = 0; from < 1200; ++from)
+          for (const LineStep& step : steps) {
+            const int x = int(from % 40) + step.column, y = int(from / 40) + step.row;
+            if (!std::isfinite(least[from]) || x < 0 || y < 0 || x >= 40 || y >= 30) continue;
+            const std::uint32_t to = cell_at(cells, x, y);
+            const double sum = least[from] + line_cost(cells, costs, from, to);
+            if (sum < least[to] * (1 - 1e-12)) {
+              least[to] = sum;
+              changed = true;
+            }
+          }
+      }
+      for (const std::size_t together : {1, 16, 1 << 16}) {
+        const std::vector<std::uint32_t> way = way_in_steps(cells, costs, start, end, together);
+        CHECK(way.empty() == std::isinf(least[end]));
+        if (way.empty()) continue;
+        CHECK((way.front() == start && way.back() == end));
+        double sum = 0;
+        for (std::size_t i = 1; i < way.size(); ++i) sum += line_cost(cells, costs, way[i - 1], way[i]);
+        CHECK(sum == Approx(least[end]).epsilon(1e-5));
+      }
+      ++(std::isinf(least[end]) ? closed : found);
+    }
+  }
+  CHECK(found > 10);
+  CHECK(closed > 2);
+}
+
 TEST_CASE("across soils of different cost the way bends as the continuous solver's does") {
   const auto table = made_table();
   const RouteCosts costs(table, RouteCost::risk, 100);

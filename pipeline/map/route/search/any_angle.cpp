@@ -54,35 +54,50 @@ namespace {
 
 constexpr float kImpassable = RouteCosts::kImpassable;
 
+/// Whether some heading passes a cell [cell].
+std::vector<char> passable_cells(const RouteCells& cells, const RouteCosts& costs) {
+  std::vector<char> passable(cells.soil.size());
+  for_each_on_host(passable.size(), kCellsAtOnce, [&](std::size_t c) { passable[c] = costs.ever_passable(cells, c); });
+  return passable;
+}
+
+/// Dijkstra's search, some cells at a time.
 class Search {
  public:
-  Search(const RouteCells& cells, const RouteCosts& costs, bool backwards)
-      : cells_(cells), costs_(costs), steps_(line_steps(cells, backwards)), passable_(cells.soil.size()) {
-    for_each_on_host(passable_.size(), kCellsAtOnce,
-                     [&](std::size_t c) { passable_[c] = costs.ever_passable(cells, c); });
-    cost.assign(passable_.size(), kImpassable);
-    before.resize(passable_.size());
+  /// passable: of passable_cells().
+  Search(const RouteCells& cells, const RouteCosts& costs, const std::vector<char>& passable, std::uint32_t start,
+         bool backwards)
+      : cost(passable.size(), kImpassable),
+        before(passable.size()),
+        cells_(cells),
+        costs_(costs),
+        steps_(line_steps(cells, backwards)),
+        passable_(passable),
+        queue_(cost) {
+    cost[start] = 0;
+    before[start] = start;
+    queue_.push(start);
   }
 
-  void run(std::size_t start, std::size_t end) {
-    cost[start] = 0;
-    before[start] = std::uint32_t(start);
-    NearestFirst queue(cost);
-    queue.push(start);
-    for (std::size_t taken = 0; !queue.empty(); ++taken) {
-      const std::size_t cell = queue.top();
-      if (cell == end) return;
-      queue.pop();
+  /// Goes on from the next `count` cells, or from all that are left. Calls settled(cell) for each.
+  template <class Settled>
+  void advance(std::size_t count, const Settled& settled) {
+    for (std::size_t taken = 0; taken < count && !queue_.empty(); ++taken) {
       if ((taken & 0xffff) == 0) stop_if_cancelled();
-      expand(cell, queue);
+      const std::size_t cell = queue_.top();
+      queue_.pop();
+      expand(cell);
+      settled(std::uint32_t(cell));
     }
   }
+  /// No cell that is still to be settled costs less.
+  float radius() const { return queue_.empty() ? kImpassable : cost[queue_.top()]; }
 
   std::vector<float> cost;
   std::vector<std::uint32_t> before;
 
  private:
-  void expand(std::size_t cell, NearestFirst& queue) {
+  void expand(std::size_t cell) {
     const int column = int(cell % std::size_t(cells_.columns)), row = int(cell / std::size_t(cells_.columns));
     for (const LineStep& step : steps_) {
       const int x = column + step.column, y = row + step.row;
@@ -93,7 +108,7 @@ class Search {
       if (!(sum < cost[to])) continue;
       cost[to] = sum;
       before[to] = std::uint32_t(cell);
-      queue.push(to);
+      queue_.push(to);
     }
   }
 
@@ -107,10 +122,37 @@ class Search {
   const RouteCells& cells_;
   const RouteCosts& costs_;
   std::vector<LineStep> steps_;
-  std::vector<char> passable_;  // in some heading
+  const std::vector<char>& passable_;
+  NearestFirst queue_;
 };
 
 }  // namespace
+
+std::vector<std::uint32_t> way_in_steps(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
+                                        std::uint32_t end, std::size_t together) {
+  const std::vector<char> passable = passable_cells(cells, costs);
+  std::array<Search, 2> search = {Search(cells, costs, passable, start, false),
+                                  Search(cells, costs, passable, end, true)};
+  const auto over = [&](std::uint32_t cell) { return double(search[0].cost[cell]) + double(search[1].cost[cell]); };
+  double known = std::numeric_limits<double>::infinity();
+  while (double(search[0].radius()) + double(search[1].radius()) < known) {
+    std::array<std::vector<std::uint32_t>, 2> settled;
+    for_each_on_host(2, 1, [&](std::size_t side) {
+      search[side].advance(together, [&](std::uint32_t cell) { settled[side].push_back(cell); });
+    });
+    for (const std::vector<std::uint32_t>& cells_of_side : settled)
+      for (const std::uint32_t cell : cells_of_side) known = std::min(known, over(cell));
+  }
+  std::uint32_t middle = start;  // the way may also pass a cell that only one search has settled
+  for (std::uint32_t cell = 0; cell < passable.size(); ++cell)
+    if (over(cell) < over(middle)) middle = cell;
+  if (!std::isfinite(over(middle))) return {};
+  std::vector<std::uint32_t> way = {middle};
+  while (way.back() != start) way.push_back(search[0].before[way.back()]);
+  std::reverse(way.begin(), way.end());
+  while (way.back() != end) way.push_back(search[1].before[way.back()]);
+  return way;
+}
 
 LineOfCells::LineOfCells(const RouteCells& cells, std::uint32_t from, std::uint32_t to) {
   const int columns = int(to) % cells.columns - int(from) % cells.columns;
@@ -135,24 +177,16 @@ double line_cost(const RouteCells& cells, const RouteCosts& costs, std::uint32_t
 
 std::optional<FoundRoute> find_any_angle(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
                                          std::uint32_t end) {
-  std::vector<std::uint32_t> way;
-  {
-    Search search(cells, costs, false);
-    search.run(start, end);
-    if (!std::isfinite(search.cost[end])) return std::nullopt;
-    for (std::uint32_t cell = end;; cell = search.before[cell]) {
-      way.push_back(cell);
-      if (cell == start) break;
-    }
-  }
-  std::reverse(way.begin(), way.end());
+  const std::vector<std::uint32_t> way = way_in_steps(cells, costs, start, end);
+  if (way.empty()) return std::nullopt;
   return pull_taut(cells, costs, way);
 }
 
 std::vector<float> reach_any_angle(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
                                    bool backwards) {
-  Search search(cells, costs, backwards);
-  search.run(start, kAnywhere);
+  const std::vector<char> passable = passable_cells(cells, costs);
+  Search search(cells, costs, passable, start, backwards);
+  search.advance(passable.size(), [](std::uint32_t) {});
   return std::move(search.cost);
 }
 

@@ -1,9 +1,9 @@
 // Cheapest ways in any direction.
 //
-// Dijkstra's search over 32 directions finds the way among obstacles: the steps (1,0), (1,1), (2,1), (3,1), (3,2) and
-// their mirror images, each with the exact cost of the line between the cells' centres. On even ground such ways are at
-// most 1 / cos(9.22 deg) - 1 = 1.3 % too long (square cells). pull_taut() then straightens the way by exact costs of
-// longer lines.
+// Dijkstra's search over 32 directions from both ends finds the way among obstacles: the steps (1,0), (1,1), (2,1),
+// (3,1), (3,2) and their mirror images, each with the exact cost of the line between the cells' centres. On even ground
+// such ways are at most 1 / cos(9.22 deg) - 1 = 1.3 % too long (square cells). pull_taut() then straightens the way by
+// exact costs of longer lines.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -91,6 +91,14 @@ struct LineOfCells {
 /// cell counts by the length of the line inside of it. Infinite if a cell cannot be passed in this heading, or if the
 /// line runs through a corner beside a cell that no heading passes.
 double line_cost(const RouteCells& cells, const RouteCosts& costs, std::uint32_t from, std::uint32_t to);
+
+/// The cheapest way in the 32 steps, cell by cell; empty if there is none.
+///
+/// A search from either end: once the two radii together are no less than the cost of a way, none that costs less is
+/// left (Pohl 1971). The searches run beside each other and are compared every `together` cells, so that the way is the
+/// same for any number of threads.
+std::vector<std::uint32_t> way_in_steps(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
+                                        std::uint32_t end, std::size_t together = 1 << 16);
 
 /// The cheapest way; nothing if there is none. FoundRoute::cell holds the corners of the way. Always the same result.
 std::optional<FoundRoute> find_any_angle(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
