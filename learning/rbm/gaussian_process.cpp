@@ -286,9 +286,10 @@ LabelledInputs<double> some_rows(const LabelledInputs<double>& rows, std::size_t
 // Search of lengths and variances.
 
 /// Numbers of rows of the stages of a search. Each begins where the one before ended: most steps are then taken on few
-/// rows, whose matrices cost an eighth.
+/// rows, whose matrices cost an eighth. Of half as many, an input that acts to both sides alike may look as if it did
+/// nothing. The search then ends at its long length, a lower summit, also on all rows.
 std::vector<std::size_t> stages(std::size_t rows, const GaussianProcessSettings& settings) {
-  constexpr std::size_t kFewest = 200;
+  constexpr std::size_t kFewest = 400;
   std::vector<std::size_t> result{std::min(rows, settings.search_rows)};
   while (result.front() / 2 >= kFewest) result.insert(result.begin(), result.front() / 2);
   return result;

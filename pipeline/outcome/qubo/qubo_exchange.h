@@ -60,10 +60,10 @@ SampleReport sample_problem(const std::filesystem::path& problem, const std::fil
                             const FileChoice& choice = {});
 
 struct DeviceChoice {
-  GraphChoice graph;             // default: that of a D-Wave 2X
-  double temperature = 0.2;      // in units of the fields h
-  std::size_t post_sweeps = 10;  // of block Gibbs after the device, if the problem is bipartite
-  bool as_programmed = false;    // nothing is corrected: the file's coefficients are programmed, on its qubits
+  GraphChoice graph;              // default: that of a D-Wave 2X
+  double temperature = 0.2;       // in units of the fields h
+  std::size_t post_sweeps = 100;  // of block Gibbs after the device, if the problem is bipartite
+  bool as_programmed = false;     // nothing is corrected: the file's coefficients are programmed, on its qubits
   /// A machine on the qubits of the graph, such as a program that reaches one; empty: the emulator.
   std::shared_ptr<const learning::Sampler> machine{};
 };

@@ -218,6 +218,42 @@ TEST_CASE("a process on 16 fine and 200 coarse trials finds the fine curve bette
   CHECK(helped < 0.7 * alone);
 }
 
+TEST_CASE("no length of a process of half of the HMMWV's trials and a quarter wheel's gains by standing much shorter") {
+  const campaign::Dataset dataset = campaign::read_dataset(kVehicle);
+  TrainingData data = make_training_data(dataset.records, {});
+  temper_weights(data, 0);
+  const std::vector<std::size_t> fold = learning::assign_folds(data.table, 2, 1);
+  std::vector<std::size_t> seen, unseen;
+  for (std::size_t n = 0; n < fold.size(); ++n) (fold[n] == 0 ? unseen : seen).push_back(n);
+  const learning::TrainingTable table = other_trials(kVehicle, {kData / "quarter_wheel_90mm/dataset.h5"})
+                                            .away_from(data.table.subset(unseen))
+                                            .joined(data.table.subset(seen));
+  const std::vector<int> label = passable_labels(table);
+  const learning::Standardisation scaling = learning::standardisation_of(table);
+  std::vector<double> rows = table.variables;
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = scaling.standardised(k % table.variable_count, rows[k]);
+  const learning::GaussianProcessSettings settings;
+  const auto height = [&](const learning::KernelLogs& logs) {
+    double result = learning::laplace_evidence(rows, label, table.weight, logs).value;
+    for (std::size_t v = 0; v < table.variable_count; ++v)
+      result -= 0.5 * std::pow((logs[v] - std::log(settings.prior_length)) / settings.prior_width, 2);
+    return result;
+  };
+  const learning::KernelLogs logs = learning::fit_gaussian_process(table, label, settings).logs();
+  const double found = height(logs);
+  std::printf("%zu rows: %.2f nat\n", table.row_count(), found);
+  std::size_t tried = 0;
+  for (std::size_t v = 0; v < table.variable_count; ++v) {
+    learning::KernelLogs shorter = logs;
+    shorter[v] = std::log(2.0);
+    if (shorter[v] > logs[v] - std::log(2.0)) continue;
+    INFO("variable " << v << " of length " << std::exp(logs[v]));
+    CHECK(height(shorter) < found + 1);
+    ++tried;
+  }
+  CHECK(tried > 3);
+}
+
 TEST_CASE("a teacher that sees the speeds of trials forecasts others better than a process that sees who passed") {
   const TrainingData data = make_training_data(campaign::read_dataset(kVehicle).records, {});
   std::vector<std::size_t> first, rest;
