@@ -15,13 +15,13 @@ mkdir -p "$work" "$out"
 # Sources as Debian signs them, from the mirror that this machine uses; its own list of packages is left alone.
 get_sources() {
   local lists=$work/lists mirror
-  mirror=$(grep -rhoE 'https?://[^ ]*/debian/?( |$)' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null | head -n 1)
+  mirror=$(grep -rhoE 'https?://[^ ]*/debian/?( |$)' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null | head -n 1) || true  # either may be missing
   mkdir -p "$lists/partial"
   echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] ${mirror:-http://deb.debian.org/debian} $(. /etc/os-release; echo "$VERSION_CODENAME") main" > "$work/sources.list"
   local options=(-o "Dir::Etc::SourceList=$work/sources.list" -o Dir::Etc::SourceParts=/dev/null -o "Dir::State::Lists=$lists")
   (cd "$work" && apt-get "${options[@]}" -qq update && apt-get "${options[@]}" -qq source --download-only gdal proj)
   for archive in "$work"/{gdal,proj}_*.orig.tar.*; do tar -xf "$archive" -C "$work"; done
-  touch "$work"/gdal-[0-9]*/data/{cubewerx_extra,ecw_cs}.wkt  # Debian leaves these two out, and GDAL installs them
+  (cd "$work"/gdal-[0-9]*/data && touch cubewerx_extra.wkt ecw_cs.wkt)  # Debian leaves these two out, and GDAL installs them
 }
 
 build_static() { # <name> <source folder> <options>...

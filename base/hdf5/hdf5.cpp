@@ -8,7 +8,9 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/hdf5/foreign.h"
 #include "base/hdf5/handle.h"
+#include "base/hdf5/open_file.h"
 
 namespace gonogo {
 
@@ -197,17 +199,8 @@ std::string Hdf5Writer::image() const {
 
 void Hdf5Writer::save(const std::filesystem::path& path) const { write_file_atomically(path, image()); }
 
-using namespace hdf5;
 namespace fs = std::filesystem;
 namespace {
-
-// Locks on a file opened for reading only are refused by some shared filesystems; whole files appear by rename here,
-// so that nothing needs them.
-void no_locks([[maybe_unused]] hid_t access) {
-#if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && !H5_VERSION_GE(1, 12, 0))
-  H5Pset_file_locking(access, false, true);
-#endif
-}
 
 void require_readable(const fs::path& path) {
   std::error_code ec;
@@ -247,7 +240,8 @@ std::uint64_t end_of_content(std::string_view file) {
   return end;
 }
 
-void require_intact(const fs::path& path) {
+/// Whether the file ends with a seal, which holds. Without one it is a file of another program.
+bool is_sealed_and_intact(const fs::path& path) {
   const MappedFile file(path);
   const std::string_view content = without_seal(file.bytes());
   const bool is_sealed = content.size() != file.bytes().size();
@@ -255,146 +249,19 @@ void require_intact(const fs::path& path) {
   // What lies behind HDF5's own end is a seal, or was one.
   if (is_sealed ? seal_of(content) != file.bytes().substr(content.size()) : end != 0 && content.size() > end)
     throw InputError(path.string() + ": is damaged (its bytes do not match the hash at its end); make it again");
+  return is_sealed;
 }
 
-bool same_kind(hid_t a, hid_t b) {
-  const H5T_class_t kind = H5Tget_class(a);
-  if (kind != H5Tget_class(b) || H5Tget_size(a) != H5Tget_size(b)) return false;
-  return kind == H5T_FLOAT || (kind == H5T_INTEGER && H5Tget_sign(a) == H5Tget_sign(b));
-}
-
-std::string kind_name(hid_t type) {
-  const std::string bits = std::to_string(8 * H5Tget_size(type)) + "-bit ";
-  switch (H5Tget_class(type)) {
-    case H5T_INTEGER:
-      return bits + (H5Tget_sign(type) == H5T_SGN_NONE ? "unsigned integers" : "signed integers");
-    case H5T_FLOAT:
-      return bits + "numbers";
-    case H5T_STRING:
-      return "text";
-    default:
-      return "values of another kind";
-  }
-}
-
-Shape shape_of(hid_t space) {
-  std::vector<hsize_t> lengths(std::size_t(std::max(0, H5Sget_simple_extent_ndims(space))));
-  H5Sget_simple_extent_dims(space, lengths.data(), nullptr);
-  return Shape(lengths.begin(), lengths.end());
+OpenFile opened(const fs::path& path) {
+  require_readable(path);
+  return is_sealed_and_intact(path) ? OpenFile::of_disk(path) : open_foreign(path);
 }
 
 }  // namespace
 
-/// One array or attribute, opened for reading.
-struct Source {
-  Handle object{}, type{}, space{};
-  bool is_attribute = false;
-  std::string where;
+struct Hdf5Reader::State : OpenFile {};
 
-  bool fetch(hid_t memory, void* target) const {
-    return (is_attribute ? H5Aread(object.get(), memory, target)
-                         : H5Dread(object.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, target)) >= 0;
-  }
-};
-
-struct Hdf5Reader::State {
-  fs::path path;
-  Handle file;
-
-  [[noreturn]] void fail(const std::string& where, const std::string& message) const {
-    throw InputError(path.string() + ": " + (where.empty() ? "/" : where) + ": " + message);
-  }
-
-  bool has(const std::string& name) const {
-    std::string at;
-    for (const std::string& part : split_path(name)) {
-      at += "/" + part;
-      if (H5Lexists(file.get(), at.c_str(), H5P_DEFAULT) <= 0) {
-        H5Eclear2(H5E_DEFAULT);
-        return false;
-      }
-    }
-    return true;
-  }
-
-  Source open_array(const std::string& name) const {
-    if (!has(name)) fail(name, "is missing; the file was written by another program or for another purpose");
-    Source source;
-    source.where = name;
-    source.object = Handle(H5Dopen2(file.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
-    if (!source.object.valid()) fail(name, "is not a readable array: " + take_error());
-    source.type = Handle(H5Dget_type(source.object.get()), H5Tclose);
-    source.space = Handle(H5Dget_space(source.object.get()), H5Sclose);
-    return source;
-  }
-
-  Source open_attribute(const std::string& path, const std::string& name) const {
-    Source source{.is_attribute = true, .where = path + ":" + name};
-    if (!has(path)) fail(path, "is missing, so that its attribute '" + name + "' cannot be read");
-    const Handle owner(H5Oopen(file.get(), path.empty() ? "/" : path.c_str(), H5P_DEFAULT), H5Oclose);
-    source.object = Handle(H5Aopen(owner.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
-    if (!source.object.valid()) {
-      H5Eclear2(H5E_DEFAULT);
-      fail(source.where, "this attribute is missing");
-    }
-    source.type = Handle(H5Aget_type(source.object.get()), H5Tclose);
-    source.space = Handle(H5Aget_space(source.object.get()), H5Sclose);
-    return source;
-  }
-
-  /// A damaged header must not make us reserve more memory than the file can fill.
-  void check_storage(const Source& source, std::size_t bytes) const {
-    if (source.is_attribute) return;
-    const Handle layout(H5Dget_create_plist(source.object.get()), H5Pclose);
-    if (H5Pget_layout(layout.get()) != H5D_CONTIGUOUS || bytes == 0) return;
-    if (H5Dget_storage_size(source.object.get()) != bytes)
-      fail(source.where, "holds fewer bytes than its shape needs; the file is damaged");
-  }
-
-  template <class T>
-  std::vector<T> fetch(const Source& source, const std::optional<Shape>& expected) const {
-    const ElementType type = element_type<T>();
-    if (!same_kind(source.type.get(), type.stored))
-      fail(source.where, "holds " + kind_name(source.type.get()) + ", " + type.name + " are needed");
-    const Shape shape = shape_of(source.space.get());
-    if (expected && shape != *expected)
-      fail(source.where, "has shape " + to_text(shape) + ", " + to_text(*expected) + " is needed");
-    check_storage(source, element_count(shape) * sizeof(T));
-    std::vector<T> values(element_count(shape));
-    if (!values.empty() && !source.fetch(type.memory, values.data()))
-      fail(source.where, "cannot be read, the file is damaged: " + take_error());
-    return values;
-  }
-
-  std::vector<std::string> fetch_texts(const Source& source, bool scalar) const {
-    if (H5Tget_class(source.type.get()) != H5T_STRING || H5Tis_variable_str(source.type.get()) <= 0)
-      fail(source.where, "holds " + kind_name(source.type.get()) + ", text of variable length is needed");
-    const Shape shape = shape_of(source.space.get());
-    if (shape.size() != (scalar ? 0u : 1u))
-      fail(source.where, "has shape " + to_text(shape) + ", a " + (scalar ? "scalar" : "list") + " is needed");
-    std::vector<char*> raw(element_count(shape), nullptr);
-    const Handle type = text_type();
-    if (!raw.empty() && !source.fetch(type.get(), raw.data()))
-      fail(source.where, "cannot be read, the file is damaged: " + take_error());
-    std::vector<std::string> values;
-    for (const char* text : raw) values.emplace_back(text ? text : "");
-    if (!raw.empty()) H5Dvlen_reclaim(type.get(), source.space.get(), H5P_DEFAULT, raw.data());
-    return values;
-  }
-};
-
-Hdf5Reader::Hdf5Reader(const fs::path& path) : state_(std::make_unique<State>()) {
-  quiet();
-  require_readable(path);
-  require_intact(path);
-  state_->path = path;
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  no_locks(access.get());
-  state_->file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
-  if (!state_->file.valid())
-    throw InputError(path.string() + ": is no complete HDF5 file (" + take_error() +
-                     "); it was cut short or is of another kind, so make it again");
-}
+Hdf5Reader::Hdf5Reader(const fs::path& path) : state_(std::make_unique<State>(State{opened(path)})) {}
 Hdf5Reader::~Hdf5Reader() = default;
 Hdf5Reader::Hdf5Reader(Hdf5Reader&&) noexcept = default;
 Hdf5Reader& Hdf5Reader::operator=(Hdf5Reader&&) noexcept = default;
@@ -404,20 +271,7 @@ bool Hdf5Reader::has(const std::string& path) const { return state_->has(path); 
 void Hdf5Reader::fail(const std::string& path, const std::string& message) const { state_->fail(path, message); }
 Shape Hdf5Reader::shape(const std::string& path) const { return shape_of(state_->open_array(path).space.get()); }
 
-std::vector<std::string> Hdf5Reader::members(const std::string& group) const {
-  if (!has(group)) fail(group, "this group is missing");
-  const Handle handle(H5Gopen2(state_->file.get(), group.empty() ? "/" : group.c_str(), H5P_DEFAULT), H5Gclose);
-  if (!handle.valid()) fail(group, "is not a group: " + take_error());
-  std::vector<std::string> names;
-  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* target) -> herr_t {
-    static_cast<std::vector<std::string>*>(target)->push_back(name);
-    return 0;
-  };
-  if (H5Literate(handle.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) < 0)
-    fail(group, "cannot be listed, the file is damaged: " + take_error());
-  std::sort(names.begin(), names.end());
-  return names;
-}
+std::vector<std::string> Hdf5Reader::members(const std::string& group) const { return state_->members(group); }
 
 template <class T>
 std::vector<T> Hdf5Reader::array(const std::string& path, const std::optional<Shape>& expected) const {

@@ -12,6 +12,7 @@
 // std::uint8_t, std::uint32_t, std::uint64_t, stored little-endian on every machine.
 // Not thread-safe: HDF5 has no locks. Use these classes from one thread at a time.
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -73,8 +74,14 @@ class Hdf5Writer {
   std::unique_ptr<State> state_;
 };
 
-/// A file open for reading. Every method throws InputError "file: place: what is wrong; what to do" for a missing
-/// name, an unexpected type or shape, and damaged content.
+/// Time that reading a file without our seal may take, for a small file; 10 s unless set. Tests of many damaged files
+/// set less.
+void set_foreign_time(std::chrono::milliseconds longest);
+
+/// A file open for reading. A file without our seal, by another program, is read once in a child process, so that
+/// damage which crashes the library or sends it into an endless loop is refused in a sentence. Every method throws
+/// InputError "file: place: what is wrong; what to do" for a missing name, an unexpected type or shape, and damaged
+/// content.
 class Hdf5Reader {
  public:
   /// Throws InputError when the file is missing, unreadable, truncated or not HDF5.

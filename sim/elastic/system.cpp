@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/progress.h"
 
 namespace gonogo::sim::elastic {
 
@@ -307,6 +308,7 @@ Vector searched(const ImplicitStep& s, const Vector& u, const Vector& du, double
 
 Forces forces_at(const System& system, const Vector& u, const Vector& v, double rate, double time, double step,
                  Triplets* tangent, std::vector<ContactPoint>* points) {
+  stop_if_cancelled();  // every step of every march comes by here
   Forces f;
   const Vector loads = system.loads(time), elastic = system.stiffness * system.strained(u);
   Vector contact = Vector::Zero(system.dofs);

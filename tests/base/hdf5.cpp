@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -9,12 +10,15 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "tests/fuzz/mutate.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;
 namespace fs = std::filesystem;
 
 namespace {
+
+const fs::path kSource = GONOGO_SOURCE_DIR;
 
 struct Folder {
   fs::path path = fs::temp_directory_path() / ("gonogo-hdf5-" + std::to_string(::getpid()));
@@ -194,4 +198,68 @@ TEST_CASE("hdf5: content that makes no sense is refused while writing") {
   CHECK_THROWS_AS(out.array("a/b", std::vector<double>{1}), InputError);
   CHECK_THROWS_AS(out.attribute("missing", "unit", "m"), InputError);
   CHECK_THROWS_AS(out.text("t", std::string("a\0b", 3)), InputError);
+}
+
+TEST_CASE("hdf5: what h5py writes is read where this program knows the kind, and refused by name elsewhere") {
+  const fs::path path = kSource / "tests/data/hdf5/by_h5py.h5";  // made by make.py beside it
+  const Hdf5Reader in(path);
+  CHECK(in.path() == path);
+  CHECK(in.array<double>("plain", Shape{2, 3}) == std::vector<double>{0, 1, 2, 3, 4, 5});
+  CHECK(in.array<double>("alias") == in.array<double>("plain"));
+  CHECK(in.array<double>("soft") == in.array<double>("plain"));
+  CHECK(in.array<double>("big_endian") == std::vector<double>{0, 1, 2, 3});
+  const auto packed = in.array<double>("packed", Shape{1000});
+  for (std::size_t k = 0; k < packed.size(); ++k) REQUIRE(packed[k] == double(k));
+  CHECK(in.texts("words") == std::vector<std::string>{"a", "", "\u00b0"});
+  CHECK(in.text("word") == "one");
+  CHECK(in.shape("empty") == Shape{0, 3});
+  CHECK(in.array<std::int32_t>("group/inner") == std::vector<std::int32_t>{7});
+  CHECK(in.number_attribute("group", "time") == 0.25);
+  CHECK(in.text_attribute("plain", "unit") == "m/s");
+  CHECK(in.integer_attribute("plain", "count") == 5);
+  CHECK(in.numbers_attribute("plain", "range") == std::vector<double>{-1, 1});
+  CHECK(in.texts_attribute("", "names") == std::vector<std::string>{"x", "y"});
+
+  const auto refusal = [&](const std::string& name) {
+    CHECK(in.has(name));
+    const std::string message = message_of([&] { in.array<double>(name); });
+    CHECK(contains(message, path.string() + ": "));
+    CHECK(contains(message, name));
+    return message;
+  };
+  CHECK(contains(refusal("short"), "16-bit signed integers"));
+  CHECK(contains(refusal("flag"), "another kind"));
+  CHECK(contains(refusal("complex"), "another kind"));
+  CHECK(contains(refusal("fixed"), "holds text"));
+  CHECK(contains(refusal("nothing"), "holds no value"));
+  CHECK(contains(refusal("outside"), "another file, which is not opened"));
+  for (const char* link : {"dangling", "elsewhere", "through"}) CHECK(contains(refusal(link), "lies in another file"));
+  CHECK(contains(refusal("huge"), "no memory holds"));
+  CHECK(contains(message_of([&] { in.integer_attribute("plain", "small"); }), "16-bit signed integers"));
+  CHECK(contains(message_of([&] { in.text_attribute("plain", "fixed"); }), "holds text"));
+  CHECK(contains(message_of([&] { in.numbers_attribute("plain", "matrix"); }), "2 x 2"));
+}
+
+TEST_CASE("hdf5: a group within itself ends in a sentence") {
+  const fs::path path = kSource / "tests/data/hdf5/group_in_itself.h5";
+  CHECK(contains(message_of([&] { Hdf5Reader{path}; }), "a group lies in itself"));
+}
+
+TEST_CASE("hdf5: files of other programs that crash the library or never end are refused") {
+  const Folder folder;
+  const fs::path path = folder.path / "a.h5";
+  const std::string sealed = sample().image(), whole = sealed.substr(0, sealed.rfind("\ngonogo seal"));
+  set_foreign_time(std::chrono::milliseconds(300));
+  int refused = 0;
+  for (std::uint64_t number = 0; number < 100; ++number) {
+    write_file_atomically(path, fuzz::mutated(whole, number).bytes);
+    CAPTURE(number);
+    const auto start = std::chrono::steady_clock::now();
+    const std::string message = message_of([&] { Hdf5Reader{path}; });
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(5));
+    refused += message != "no InputError";
+    CHECK(message.find('\n') == std::string::npos);
+  }
+  CHECK(refused > 30);
+  set_foreign_time(std::chrono::seconds(10));
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "base/files/csv.h"
 #include "base/files/file.h"
 #include "base/hdf5/hdf5.h"
 #include "learning/model/model.h"
@@ -51,6 +52,38 @@ TEST_CASE("gonogo sample from the prior agrees with gonogo infer") {
   REQUIRE(rows.exit_code == 0);
   const double own = Json::parse(infer.out, "stdout").at("p_go").number();
   CHECK(Json::parse(rows.out, "stdout").at("p_go").number() == Approx(own).margin(0.04));
+}
+
+TEST_CASE("gonogo infer answers a table row by row as it answers points one by one, however the table is written") {
+  const TemporaryFolder folder;
+  const Ending one = run_gonogo({"infer", "--model", "hmmwv", "--set", "slope_along=12.5", "--json"});
+  const double p_go = Json::parse(one.out, "stdout").at("p_go").number();
+  for (const char* table : {"slope_along,payload\n3,\n12.5,\n", "\"slope_along\",\"payload\"\r\n3,NA\r\n12.5,NA\r\n",
+                            "\xEF\xBB\xBFslope_along;payload\n3,0;\n12,5;\n", "slope_along\tpayload\n3\t\n12.5\t\n"}) {
+    INFO(table);
+    write_file_atomically(folder / "points.csv", table);
+    const Ending ending =
+        run_gonogo({"infer", "--model", "hmmwv", "--csv", folder / "points.csv", "--out", folder / "answers.csv"});
+    REQUIRE(ending.exit_code == 0);
+    const std::vector<CsvLine> answers = read_csv_lines(folder / "answers.csv", "answers");
+    REQUIRE(answers.size() == 3);
+    REQUIRE(answers[0].cell[2] == "p_go");
+    CHECK(csv_number("answers.csv", 3, answers[2].cell[2]) == Approx(p_go).margin(1e-6));
+  }
+}
+
+TEST_CASE("gonogo infer says that a table has no points, and writes the header of the answers") {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "points.csv", "slope_along,payload\n");
+  const Ending ending =
+      run_gonogo({"infer", "--model", "hmmwv", "--csv", folder / "points.csv", "--out", folder / "answers.csv"});
+  CHECK(ending.exit_code == 0);
+  CHECK(contains(ending.err, (folder / "points.csv").string() + ": holds a header and no points"));
+  CHECK(read_file(folder / "answers.csv").rfind("slope_along,payload,p_go", 0) == 0);
+  CHECK(read_csv_lines(folder / "answers.csv", "answers").size() == 1);
+  write_file_atomically(folder / "points.csv", "");
+  check_refusal(run_gonogo({"infer", "--model", "hmmwv", "--csv", folder / "points.csv", "--out", folder / "b.csv"}), 2,
+                {"points.csv", "holds no points"});
 }
 
 TEST_CASE("sample and qubo export warn of a joint distribution that is not the trials', in one sentence") {

@@ -36,7 +36,8 @@ inline Reader sealed(const std::string& name, const std::string& file,
 /// Of files that people and other programs write in formats of this project, and of annealing problems and answers.
 const std::vector<Reader>& format_readers();
 
-/// Of HDF5 files without the seal that this program adds: nothing tells damage, and HDF5's own reader sees all of it.
+/// Of HDF5 files without the seal that this program adds: nothing tells damage, and HDF5's own reader sees all of it,
+/// in a process of its own.
 const std::vector<Reader>& unsealed_readers();
 
 /// Of models, campaigns and problems that this project writes.
@@ -45,7 +46,7 @@ const std::vector<Reader>& sealed_readers();
 /// Of simulations, maps and soil tests.
 const std::vector<Reader>& made_readers();
 
-/// All of these that are also damaged by number: not the unsealed ones.
+/// All of these.
 const std::vector<Reader>& readers();
 
 }  // namespace gonogo::fuzz

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/progress.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/answer/predictor.h"
@@ -29,6 +30,7 @@ void infer(const InferOptions& options, const Globals& globals) {
   if (options.interactive) return outcome::converse(predictor, std::cin, std::cout);
   if (!options.csv.empty()) {
     const std::size_t rows = outcome::infer_csv(predictor, options.csv, options.out);
+    if (rows == 0) log_line(options.csv, "holds a header and no points, so that the answers are a header alone");
     Json result;
     result["rows"] = Json(std::uint64_t(rows));
     result["out"] = options.out;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/progress.h"
 #include "sim/elastic/tyre/ring.h"
 
 namespace gonogo::sim::elastic {
@@ -58,6 +59,7 @@ Balance PressedTyre::Parts::balance(const Vector& x, const Rim& at, Triplets* ta
 
 bool PressedTyre::Parts::solve(const Rim& at, Vector x) {
   for (int i = 0;; ++i) {
+    stop_if_cancelled();
     Triplets tangent;
     Balance b = balance(x, at, &tangent);
     const double norm = b.force.norm();

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/progress.h"
 #include "sim/elastic/system.h"
 #include "sim/elastic/tyre/press.h"
 #include "sim/elastic/tyre/ring.h"
@@ -227,7 +228,10 @@ void RollingTyre::advance(double step, long count) {
   if (!(step > 0 && step <= p.critical))
     throw InputError(
         line("tyre: the step is %g s; it must be above 0 and at most the critical one, %g s", step, p.critical));
-  for (long i = 0; i < count; ++i) p.step(step);
+  for (long i = 0; i < count; ++i) {
+    stop_if_cancelled();
+    p.step(step);
+  }
 }
 
 const Hub& RollingTyre::hub() const { return parts_->hub; }
