@@ -1,4 +1,6 @@
+import pathlib
 import subprocess
+import time
 
 import numpy as np
 import pandas
@@ -40,3 +42,13 @@ def test_damage_is_told(tmp_path, dataset_file):
     damaged.write_bytes(dataset_file.read_bytes()[:5000])
     with pytest.raises(gonogo.InputError, match="damaged.h5"):
         gonogo.Dataset(damaged)
+
+
+@pytest.mark.parametrize("name", ["crashes_1_10.h5", "never_ends_1_10.h5"])
+def test_a_file_that_hdf5_itself_cannot_bear_ends_in_a_sentence(name):
+    file = pathlib.Path(__file__).parents[2] / "tests/data/hdf5" / name  # of HDF5 1.10; newer ones may find the damage
+    start = time.monotonic()
+    with pytest.raises(gonogo.InputError, match=name) as refusal:
+        gonogo.Dataset(file)
+    assert time.monotonic() - start < 30
+    assert "\n" not in str(refusal.value)

@@ -1,4 +1,5 @@
 // gonogo design and gonogo dataset: what they print, and what they answer to bad input.
+#include <chrono>
 #include <fstream>
 
 #include "base/files/file.h"
@@ -138,6 +139,16 @@ TEST_CASE("gonogo dataset refuses what is no whole dataset, and exports whole fi
                 {"out.csv"});
   check_nothing_half_written(folder.path());
   CHECK_FALSE(std::filesystem::exists(folder / "out.csv"));
+}
+
+TEST_CASE("a dataset that crashes HDF5 1.10, or sends it into an endless loop, is refused in a sentence") {
+  for (const std::string name : {"crashes_1_10.h5", "never_ends_1_10.h5"}) {
+    const auto start = std::chrono::steady_clock::now();
+    const Ending ending = run_gonogo({"dataset", "summary", std::string(GONOGO_SOURCE_DIR "/tests/data/hdf5/") + name});
+    CHECK(ending.signal == 0);
+    check_refusal(ending, 2, {name});
+    CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(30));
+  }
 }
 
 }  // namespace
