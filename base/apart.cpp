@@ -99,7 +99,8 @@ class Child {
   /// Whether it ended by itself, without an error.
   bool wait() {
     int status = 0;
-    while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {}
+    while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+    }
     pid_ = -1;
     return WIFEXITED(status) && WEXITSTATUS(status) == 0;
   }

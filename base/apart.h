@@ -11,8 +11,8 @@ namespace gonogo {
 enum class ApartEnd { done, crashed, out_of_time, out_of_memory };
 
 struct ApartLimits {
-  std::chrono::milliseconds time{10'000};        // by the clock
-  std::size_t memory = std::size_t(4) << 30;     // [byte] beyond what this process has
+  std::chrono::milliseconds time{10'000};     // by the clock
+  std::size_t memory = std::size_t(4) << 30;  // [byte] beyond what this process has
 };
 
 struct ApartResult {
@@ -22,8 +22,8 @@ struct ApartResult {
 };
 
 /// Calls `work` in a fork of this process and returns what it returned. The child has the calling thread alone, writes
-/// no core file, and ends with this process. Ctrl-C ends it and throws Cancelled. Other exceptions than InputError count
-/// as a crash, std::bad_alloc as too little memory. Throws DeviceError when the system grants no child.
+/// no core file, and ends with this process. Ctrl-C ends it and throws Cancelled. Other exceptions than InputError
+/// count as a crash, std::bad_alloc as too little memory. Throws DeviceError when the system grants no child.
 ApartResult call_apart(const std::function<std::string()>& work, const ApartLimits& limits);
 
 }  // namespace gonogo

@@ -29,7 +29,8 @@ class Copier {
  private:
   void copy_group(const std::string& path, int depth) {
     if (depth > kDeepest)
-      in_.fail(path, "lies in more than " + std::to_string(kDeepest) + " groups; the file is damaged or a group lies in itself");
+      in_.fail(path, "lies in more than " + std::to_string(kDeepest) +
+                         " groups; the file is damaged or a group lies in itself");
     out_.group(path);
     copy_attributes(path);
     for (const std::string& name : in_.members(path)) copy_object(path + "/" + name, depth + 1);
@@ -157,12 +158,13 @@ std::string copy_of(const fs::path& path) {
 }
 
 std::string sentence(const fs::path& path, ApartEnd end, const ApartLimits& limits) {
-  const std::string what = end == ApartEnd::crashed ? "ended the HDF5 library with a crash"
-                           : end == ApartEnd::out_of_time
-                               ? line("took the HDF5 library more than %.0f s", double(limits.time.count()) / 1000)
-                               : line("takes the HDF5 library more than %.0f GiB of memory",
-                                      double(limits.memory) / double(1 << 30));
-  return path.string() + ": " + what + ", so that nothing of it was read; it is damaged, so make it again or get a whole copy";
+  const std::string what =
+      end == ApartEnd::crashed ? "ended the HDF5 library with a crash"
+      : end == ApartEnd::out_of_time
+          ? line("took the HDF5 library more than %.0f s", double(limits.time.count()) / 1000)
+          : line("takes the HDF5 library more than %.0f GiB of memory", double(limits.memory) / double(1 << 30));
+  return path.string() + ": " + what +
+         ", so that nothing of it was read; it is damaged, so make it again or get a whole copy";
 }
 
 /// Limits for a file of this many bytes.

@@ -282,7 +282,7 @@ class Voids {
  public:
   Voids(const HeightScale& scale, const NodataDigits& nodata, int columns)
       : scale_(scale), nodata_(nodata), columns_(columns) {
-    for (const float stored : {-999.f, -99.f, 0.f}) suspect_.push_back({.stored = stored});
+    for (const float stored : {-999.f, -99.f, 0.f, 255.f}) suspect_.push_back({.stored = stored});
     if (scale.is_plain) return;
     // Codes of programs that write no height, and the ends of whole numbers of 16 and 32 bits.
     for (const double stored : {kVoidCode, (kVoidCode - scale.offset) / scale.scale, -32768.0, -32767.0, 32767.0,

@@ -4,10 +4,13 @@
 #include <cpl_minixml.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -163,18 +166,29 @@ void check_virtual_raster(const fs::path& vrt, int depth) {
   check_nodes(vrt, tree, depth);
 }
 
-/// The one file of a format of the list that a .zip holds, as GDAL names it.
+/// Files that belong to a Shapefile, which its .shp names.
+bool is_beside_shapefile(const fs::path& file) {
+  return EQUAL(file.extension().c_str(), ".dbf") || EQUAL(file.extension().c_str(), ".shx");
+}
+
+/// The one file of a format of the list that a .zip holds, as GDAL names it; the whole .zip where all of it is a
+/// format, such as Shapefiles that lie in no folder.
 std::string inside_zip(const fs::path& zip, FileKind kind) {
   const std::string root = "/vsizip/" + zip.string();
-  if (kind == FileKind::vector) return root;
+  const bool is_raster = kind == FileKind::raster;
+  if (!is_raster && format_on_list(root, kind)) return root;
   const CPLStringList all(VSIReadDirRecursive(root.c_str()));
   std::vector<std::string> found;
   for (int i = 0; i < all.size(); ++i)
-    if (std::string(all[i]).back() != '/' && format_on_list(root + "/" + all[i], kind)) found.emplace_back(all[i]);
+    if (std::string(all[i]).back() != '/' && (is_raster || !is_beside_shapefile(all[i])) &&
+        format_on_list(root + "/" + all[i], kind))
+      found.emplace_back(all[i]);
   if (found.size() == 1) return root + "/" + found.front();
+  const std::string kind_name = is_raster ? "raster" : "file of lines or polygons";
   throw InputError(zip.string() + ": holds " +
-                   (found.empty() ? std::string("no raster; unzip it and give the file that holds the values")
-                                  : "several rasters, " + join_words(found) + "; unzip it and name the one"));
+                   (found.empty()
+                        ? "no " + kind_name + "; unzip it and give the file that holds the values"
+                        : "more than one " + kind_name + ", " + join_words(found) + "; unzip it and name the one"));
 }
 
 /// Drivers that are registered no more.
@@ -224,6 +238,24 @@ struct Opening {
   std::string reason;
 };
 
+/// From now on the program ends without GDAL's own end, which would wait for the thread that is left behind, for ever.
+void end_without_waiting() {
+  ::on_exit(
+      [](int status, void*) {
+        std::fflush(nullptr);
+        ::_exit(status);
+      },
+      nullptr);
+}
+
+/// Leaves the thread of an opening behind.
+struct LeaveBehind {
+  bool opened = false;
+  ~LeaveBehind() {
+    if (!opened) end_without_waiting();
+  }
+};
+
 /// Opens in a thread of its own, so that a file system that does not answer can be left.
 DatasetHandle open_in_time(const fs::path& path, const std::string& name, FileKind kind) {
   const auto opening = std::make_shared<Opening>();
@@ -239,15 +271,20 @@ DatasetHandle open_in_time(const fs::path& path, const std::string& name, FileKi
   }).detach();
   const auto start = std::chrono::steady_clock::now();
   bool told = false;
+  LeaveBehind leave;
   std::unique_lock lock(opening->mutex);
   while (!opening->changed.wait_for(lock, std::chrono::milliseconds(50), [&] { return opening->done; })) {
     stop_if_cancelled();
     const auto waited = std::chrono::steady_clock::now() - start;
     if (waited > kLongest)
-      throw InputError(path.string() + ": did not open within a minute; copy it to a disk of this machine");
+      throw InputError(
+          path.string() +
+          ": did not open within a minute; it is damaged or its disk does not answer, so fetch it again or copy it "
+          "to a disk of this machine");
     if (waited > kNotice && !told) log_line(path.string(), "opening takes more than 10 s; Ctrl-C stops it");
     told = waited > kNotice;
   }
+  leave.opened = true;
   if (!opening->dataset) refuse_format(path, kind, opening->reason);
   return std::move(opening->dataset);
 }

@@ -180,6 +180,11 @@ const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& 
   if (call.failed())
     throw InputError(name + ": its coordinate system cannot be read (" + call.message() +
                      "); the file is damaged, fetch it again");
+  const bool has_points = dataset.GetGCPCount() > 0;
+  if (has_points || ((!crs || crs->IsEmpty()) && dataset.GetMetadata("GEOLOCATION")))
+    throw InputError(
+        name + ": is placed by " + (has_points ? "ground control points" : "a place for every cell") +
+        ", not by a grid; lay it on one with: " + command_on("gdalwarp -r bilinear", dataset, name, "on_a_grid.tif"));
   if (!crs || crs->IsEmpty())
     throw InputError(name + ": names no coordinate system; find out which one it is in, and write it in with: " +
                      command_on("gdal_translate -a_srs EPSG:<code>", dataset, name, "with_system.tif") +
@@ -209,9 +214,9 @@ double vertical_metres(GDALRasterBand& band, const std::string& name) {
     if (unit == known) return 0.3048;
   for (const char* known : {"us survey foot", "us_survey_foot", "us-ft", "ftus", "us survey feet"})
     if (unit == known) return 1200.0 / 3937.0;
-  throw InputError(
-      name + ": heights are in \"" + unit + "\"; metres and feet are understood; convert it with: " +
-      command_on("gdal_calc.py -A", *band.GetDataset(), name, "--calc=\"A*<metres>\" --outfile=metres.tif"));
+  throw InputError(name + ": heights are in \"" + unit + "\"; metres and feet are understood; convert it with: " +
+                   command_on("gdal_calc.py -A", *band.GetDataset(), name,
+                              "--calc=\"A*<metres>\" --type=Float32 --outfile=metres.tif"));
 }
 
 MapGrid describe_grid(int columns, int rows, const OGRSpatialReference& crs, const GeoTransform& t) {

@@ -17,7 +17,7 @@ struct RasterSource::State {
   OpenRaster raster;
   MapGrid grid;
   double scale = 1, offset = 0;  // stored value -> value
-  std::string how_warped;
+  std::string how_warped, unit;
   std::vector<std::string> remarks;
   std::function<OpenRaster()> open;       // the same once more
   std::optional<OpenRaster> flat;         // open_flat(), where there are flat areas
@@ -118,6 +118,7 @@ RasterSource::~RasterSource() = default;
 
 const MapGrid& RasterSource::grid() const { return state_->grid; }
 std::string RasterSource::name() const { return state_->raster.name; }
+const std::string& RasterSource::unit() const { return state_->unit; }
 const std::string& RasterSource::how_warped() const { return state_->how_warped; }
 const std::vector<std::string>& RasterSource::remarks() const { return state_->remarks; }
 bool RasterSource::has_flat() const { return state_->flat.has_value(); }
@@ -128,6 +129,7 @@ RasterSource RasterSource::again() const {
   state->scale = state_->scale;
   state->offset = state_->offset;
   state->how_warped = state_->how_warped;
+  state->unit = state_->unit;
   state->remarks = state_->remarks;
   state->open = state_->open;
   state->open_flat = state_->open_flat;
@@ -235,6 +237,7 @@ RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid&
   state->grid = grid;
   state->scale = dataset.GetRasterBand(1)->GetScale();
   state->offset = dataset.GetRasterBand(1)->GetOffset();
+  state->unit = dataset.GetRasterBand(1)->GetUnitType();
   if (!shift.empty()) state->remarks.push_back(shift);
   std::vector<FoundVoid> voids;
   if (range) voids = doubt_values(dataset, original.name, window_under(dataset, t, crs, grid), *range, state->remarks);

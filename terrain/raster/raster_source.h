@@ -54,6 +54,8 @@ class RasterSource {
   const MapGrid& grid() const;
   /// For messages.
   std::string name() const;
+  /// Unit of the values as the file writes it, "kPa"; empty where it says none.
+  const std::string& unit() const;
   /// One sentence about the warping; empty for rasters that are not warped.
   const std::string& how_warped() const;
   /// One sentence each, without a full stop: voids, flat areas and datums that were found.

@@ -124,11 +124,16 @@ TEST_CASE("commands for an elevation model that is not as it should be make one 
   const struct {
     std::string make, begin, makes;
     std::vector<std::pair<std::string, std::string>> fill;
-  } cases[] = {{"gdal_translate -q -b 1 -b 1 -b 1 -b 1", "gdal_translate -b 1", "heights.tif", {}},
-               {"gdal_translate -q -a_scale 0 -a_offset 0",
-                "gdal_translate -a_scale",
-                "scaled.tif",
-                {{"<scale>", "1"}, {"<offset>", "0"}}}};
+  } cases[] = {
+      {"gdal_translate -q -gcp 0 0 730000 4368400 -gcp 24 0 730240 4368400 -gcp 0 40 730000 4368000 -a_srs EPSG:32610",
+       "gdalwarp -r bilinear",
+       "on_a_grid.tif",
+       {}},
+      {"gdal_translate -q -b 1 -b 1 -b 1 -b 1", "gdal_translate -b 1", "heights.tif", {}},
+      {"gdal_translate -q -a_scale 0 -a_offset 0",
+       "gdal_translate -a_scale",
+       "scaled.tif",
+       {{"<scale>", "1"}, {"<offset>", "0"}}}};
   for (const std::string bad : {"bad.tif", "it's bad (1) & $more.tif"})
     for (const auto& c : cases) {
       fs::remove(ground.path(bad));
@@ -150,6 +155,84 @@ TEST_CASE("a raster that lies askew is straightened by the command that its refu
                             "</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>");
   ground.follow(advice(ground.refused("askew.vrt"), "gdalwarp"));
   ground.made("north_up.tif");
+}
+
+/// A virtual raster over ok.tif, 24 x 40 cells.
+std::string virtual_raster(const std::string& system, const std::string& transform, const std::string& band) {
+  return "<VRTDataset rasterXSize=\"24\" rasterYSize=\"40\"><SRS>" + system + "</SRS><GeoTransform>" + transform +
+         "</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\">" + band + "</VRTRasterBand></VRTDataset>";
+}
+
+/// The value of a cell in the middle, by gdallocationinfo.
+double middle_of(const Ground& ground, const std::string& file) {
+  const ShellEnding ending = shell("gdallocationinfo -valonly " + shell_word(ground.path(file).string()) + " 12 20");
+  INFO(ending.output);
+  REQUIRE(ending.status == 0);
+  return std::stod(ending.output);
+}
+
+TEST_CASE("heights in centimetres become metres, not whole ones, by the command that the refusal names") {
+  const Ground ground;
+  ground.gdal("gdal_translate -q -ot Int32 -scale 0 1 0 100", "ok.tif", "whole.tif");
+  write_file_atomically(ground.path("cm.vrt"),
+                        virtual_raster("EPSG:32610", "730000,10,0,4368400,0,-10",
+                                       "<UnitType>cm</UnitType><SimpleSource><SourceFilename relativeToVRT=\"1\">"
+                                       "whole.tif</SourceFilename></SimpleSource>"));
+  ground.follow(filled(advice(ground.refused("cm.vrt"), "gdal_calc.py"), "<metres>", "0.01"));
+  ground.made("metres.tif");
+  CHECK(middle_of(ground, "metres.tif") == Approx(middle_of(ground, "ok.tif")).margin(0.0051));
+}
+
+TEST_CASE("degrees that are said to be metres are called degrees by the command that the refusal names") {
+  const Ground ground;
+  write_file_atomically(ground.path("degrees.vrt"),
+                        virtual_raster("EPSG:32610", "-120.3,0.0001,0,39.4,0,-0.0001",
+                                       "<SimpleSource><SourceFilename relativeToVRT=\"1\">ok.tif</SourceFilename>"
+                                       "</SimpleSource>"));
+  ground.follow(advice(ground.refused("degrees.vrt"), "gdal_translate -a_srs EPSG:4326"));
+  ground.made("in_degrees.tif");
+}
+
+TEST_CASE("a raster without a system gets one, and the second of two bands is taken out, as sentences say") {
+  const Ground ground;
+  fs::copy_file(ground.path("elevation.asc"), ground.path("nowhere.asc"));
+  const std::string nowhere = ground.refused("nowhere.asc");
+  const std::string local = "'LOCAL_CS[\"site\",UNIT[\"metre\",1]]'";
+  CHECK(contains(nowhere, "-a_srs " + local));
+  for (const std::string& system : {std::string("EPSG:32610"), local}) {
+    fs::remove(ground.path("with_system.tif"));
+    ground.follow(filled(advice(nowhere, "gdal_translate -a_srs", ". A grid"), "EPSG:<code>", system));
+    ground.made("with_system.tif");
+  }
+  ground.gdal("gdal_translate -q -b 1 -b 1", "ok.tif", "two.tif");
+  const std::string said = ground.made("two.tif");
+  ground.follow(advice(said, "gdal_translate -b 2"));
+  CHECK_FALSE(contains(ground.made("heights.tif"), "two bands"));
+}
+
+TEST_CASE("shapes whose numbers are no degrees, or stand the other way round, are mended by the named commands") {
+  const Ground ground;
+  const auto write = [&](const std::string& name, const std::string& corners) {
+    write_file_atomically(ground.path(name),
+                          R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":)"
+                          R"({"type":"Polygon","coordinates":[[)" +
+                              corners + "]]}}]}");
+  };
+  const auto way = [&](const std::string& avoid) {
+    return run_gonogo({"route", "--model", "hmmwv", "--dem", ground.path("ok.tif"), "--soil", "sand, dry", "--from",
+                       "730020,4368020", "--to", "730200,4368060", "--avoid", ground.path(avoid), "--out",
+                       ground.path("way.gpkg")});
+  };
+  write("a b.geojson", "[730100,4368200],[730150,4368200],[730150,4368250],[730100,4368200]");
+  const Ending metres = way("a b.geojson");
+  check_refusal(metres, 2, {"a b.geojson", "is no longitude and latitude"});
+  ground.follow(filled(advice(metres.err, "ogr2ogr"), "<code>", "32610"));
+  CHECK(way("with_system.gpkg").exit_code == 0);
+  write("b a.geojson", "[39.4327,-120.3265],[39.4327,-120.3260],[39.4330,-120.3260],[39.4327,-120.3265]");
+  const Ending swapped = way("b a.geojson");
+  check_refusal(swapped, 2, {"b a.geojson", "if latitudes stand first"});
+  ground.follow(advice(swapped.err, "ogr2ogr"));
+  CHECK(way("swapped.gpkg").exit_code == 0);
 }
 
 TEST_CASE("an undeclared void is declared by the command that the remark names, whatever the format") {

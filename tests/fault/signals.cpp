@@ -216,6 +216,37 @@ TEST_CASE("a calibration ends wherever it is interrupted and leaves no half tabl
   for (const std::string& file : files_below(folder.path())) CHECK(file.find(".json.tests") != std::string::npos);
 }
 
+TEST_CASE(
+    "samples of a problem, learning curves and capacities end wherever they are interrupted and leave no half file") {
+  const TemporaryFolder folder;
+  const std::string problem = folder / "problem.json", dataset = kSource / "data/quarter_wheel_32mm/dataset.h5";
+  REQUIRE(run_gonogo({"qubo", "export", "--model", "quarter_wheel_90mm", "--clamp", "slope_along=12", "--out", problem})
+              .exit_code == 0);
+  const std::vector<std::vector<std::string>> commands = {
+      {"qubo", "sample", problem, "--reads", "1000000"},
+      {"learning-curve", "--dataset", dataset},
+      {"capacity", "--dataset", dataset},
+  };
+  for (std::size_t c = 0; c < commands.size(); ++c)
+    interrupt_early(
+        [&](int k) {
+          std::vector<std::string> words = commands[c];
+          words.insert(words.end(), {"--out", folder / (std::to_string(c) + "." + std::to_string(k) + ".json")});
+          return words;
+        },
+        kUntilHandlers, 2);
+  check_nothing_half_written(folder.path());
+}
+
+TEST_CASE("soil tests and validations end wherever they are interrupted") {
+  const std::vector<std::vector<std::string>> commands = {
+      {"soil", "test", "shear", "--grain", "0.032", "--friction", "0.5", "--rolling", "0.1"},
+      {"validate", "elastic"},
+      {"validate", "soils"},
+  };
+  for (const std::vector<std::string>& words : commands) interrupt_early([&](int) { return words; }, kUntilHandlers, 2);
+}
+
 TEST_CASE("a region ends wherever it is interrupted and leaves no half region") {
   constexpr int side = 600;
   const TemporaryFolder folder;

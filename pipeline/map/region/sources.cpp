@@ -1,10 +1,15 @@
 #include "pipeline/map/region/sources.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
+#include <span>
+#include <string_view>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/shell.h"
 #include "terrain/raster/layer/slope.h"
 
 namespace gonogo::map {
@@ -167,6 +172,33 @@ std::vector<std::string> MapSources::remarks() const {
   return list;
 }
 
+/// A unit as files write it, in lower case, and what one of it is in the base unit.
+struct FileUnit {
+  std::string_view name;
+  double size;
+};
+
+constexpr FileUnit kPressures[] = {{"psi", kPsi},  {"lbf/in2", kPsi}, {"pa", 1},      {"kpa", 1e3},
+                                   {"kn/m2", 1e3}, {"mpa", 1e6},      {"n/mm2", 1e6}, {"n/cm2", 1e4}};
+// Of the dry mass. Shares of the volume are another quantity.
+constexpr FileUnit kWaterContents[] = {{"%", 1},       {"percent", 1}, {"1", 100},       {"fraction", 100},
+                                       {"kg/kg", 100}, {"g/g", 100},   {"kg kg-1", 100}, {"g g-1", 100}};
+
+/// Refuses a raster that states another unit than it is read in.
+void require_unit(const RasterSource& raster, std::span<const FileUnit> known, const std::string& read_in,
+                  double size) {
+  std::string unit = raster.unit();
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  if (unit.empty()) return;
+  const std::string said =
+      raster.name() + ": says that its values are in \"" + raster.unit() + "\", and they are read in " + read_in;
+  const auto found = std::find_if(known.begin(), known.end(), [&](const FileUnit& u) { return u.name == unit; });
+  if (found == known.end()) throw InputError(said + "; give a raster in " + read_in);
+  if (std::abs(found->size / size - 1) > 1e-3)
+    throw InputError(said + "; convert it with: gdal_calc.py -A " + shell_word(raster.name()) + " --calc=\"A*" +
+                     number_text(found->size / size, 6) + "\" --type=Float32 --outfile=converted.tif");
+}
+
 MapSources open_sources(const Region& region) {
   MapSources sources{
       .elevation = RasterSource::open_heights(region.elevation.files, region.grid, region.elevation.heights),
@@ -192,6 +224,10 @@ MapSources open_sources(const Region& region) {
   if (region.cone_index)
     sources.cone_index = open(region.cone_index, RasterKind::continuous,
                               terrain::ValueRange{0, kHardest / region.cone_index->unit, "cone index"});
+  if (sources.moisture) require_unit(*sources.moisture, kWaterContents, "% of the dry mass", 1);
+  if (sources.cone_index)
+    require_unit(*sources.cone_index, kPressures, region.cone_index->unit == kPsi ? "psi" : "kPa",
+                 region.cone_index->unit);
   open_obstacles(region, grid, sources);
   return sources;
 }

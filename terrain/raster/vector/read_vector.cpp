@@ -11,6 +11,8 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/shell.h"
 #include "terrain/raster/open_file.h"
 #include "terrain/raster/vector/geojson.h"
 
@@ -147,6 +149,25 @@ bool carry_over(OGRGeometry& shape, const OGRSpatialReference& from, OGRCoordina
   return shape.transform(turn) == OGRERR_NONE && is_on_globe(shape, to);
 }
 
+/// Why carry_over() finds no place, and what to do.
+std::string why_nowhere(const OGRGeometry& shape, const OGRSpatialReference& from, const fs::path& file) {
+  OGREnvelope box;
+  shape.getEnvelope(&box);
+  const bool are_degrees = std::max(std::fabs(box.MinX), std::fabs(box.MaxX)) <= 360 &&
+                           std::max(std::fabs(box.MinY), std::fabs(box.MaxY)) <= 90;
+  if (!from.IsGeographic() || are_degrees) return "has no place in the map's coordinate system";
+  const std::string corner = number_text(box.MinX, 9) + ", " + number_text(box.MinY, 9);
+  if (std::fabs(box.MinY) <= 360 && std::fabs(box.MaxY) <= 360)
+    return "its corner " + corner +
+           " is no longitude and latitude; if latitudes stand first, swap them with: ogr2ogr -ct "
+           "'+proj=axisswap +order=2,1' swapped.gpkg " +
+           shell_word(file.string());
+  return "its corner " + corner +
+         " is no longitude and latitude, in which its file is said to be, as GeoJSON is unless "
+         "it says otherwise; name the system that it is in with: ogr2ogr -a_srs EPSG:<code> with_system.gpkg " +
+         shell_word(file.string());
+}
+
 class VectorFile {
  public:
   VectorFile(const fs::path& file, const MapGrid& grid) : file_(file), crs_(system_of(grid)), grid_(grid) {
@@ -195,8 +216,8 @@ class VectorFile {
       ++(parts.empty() ? without_shape_ : with_shape_);
       for (const Shape& part : parts)
         if (!carry_over(*part, *from, turn.get(), crs_))
-          throw InputError(file_.string() + ": feature " + std::to_string(feature->GetFID()) +
-                           ": has no place in the map's coordinate system");
+          throw InputError(file_.string() + ": feature " + std::to_string(feature->GetFID()) + ": " +
+                           why_nowhere(*feature->GetGeometryRef(), *from, file_));
       if (!parts.empty()) take(*feature, std::move(parts));
       CPLErrorReset();
     }

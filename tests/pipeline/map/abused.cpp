@@ -203,6 +203,12 @@ TEST_CASE("rasters whose values are no heights are refused, and voids are said")
   dem.scale = 0;
   check_refused(with_dem(dem), "scale");                                                        // 28
   check_said(with_dem(ground_in("EPSG:32610", 5e5, 4.4e6, 900, 900)), "cells are 900 m wide");  // 29
+  dem = ground();
+  dem.type = GDT_Byte;
+  dem.nodata.reset();
+  for (float& v : dem.value) v -= 440;
+  for (const int cell : {260, 261, 284, 285}) dem.value[std::size_t(cell)] = 255;
+  check_said(with_dem(dem), "4 cells of the elevation hold 255");
 }
 
 TEST_CASE("region files that cannot be meant are refused with the key") {
@@ -242,6 +248,28 @@ TEST_CASE("second rasters that do not belong are refused, and codes that mean no
     check_said(half, "the soil is unknown on");  // 48, 49
     CHECK(half.unknown > 0.4);
   }
+}
+
+TEST_CASE("a raster of cone indices or moisture that states another unit than it is read in is refused") {
+  const std::string in_psi = region(raster("cone_index", R"(, "unit": "psi")")),
+                    in_kpa = region(raster("cone_index", R"(, "unit": "kPa")")),
+                    moisture = region(raster("moisture"),
+                                      R"(, "moisture": {"dry": [0, 8], "moist": [8, 20], "wet": [20, 500]})");
+  const auto stated = [](const std::string& unit) {
+    RasterRecipe second = codes_of(60, 60);
+    second.unit = unit;
+    return second;
+  };
+  check_refused(with_second(stated("kPa"), in_psi), "--calc=\"A*0.145038\"");
+  check_refused(with_second(stated("MPa"), in_psi), "--calc=\"A*145.038\"");
+  check_refused(with_second(stated("MPa"), in_kpa), "--calc=\"A*1000\"");
+  check_refused(with_second(stated("degC"), in_kpa), "says that its values are in \"degC\"");
+  check_refused(with_second(stated("fraction"), moisture), "--calc=\"A*100\"");
+  check_refused(with_second(stated("m3 m-3"), moisture), "% of the dry mass");
+  for (const char* unit : {"", "psi", "PSI", "lbf/in2"})
+    CHECK_FALSE(contains(with_second(stated(unit), in_psi).refusal, "says that its values"));
+  for (const char* unit : {"kPa", "kN/m2"})
+    CHECK_FALSE(contains(with_second(stated(unit), in_kpa).refusal, "says that its values"));
 }
 
 TEST_CASE("maps of other worlds, the antimeridian, the poles and the edges of UTM open in GDAL") {
