@@ -1,6 +1,7 @@
 #include "vehicle/world/driving.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "sim/scene/scene.h"
@@ -153,12 +154,12 @@ void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e
   world.driveline.push_back(d);
 }
 
-/// Torque of a wheel's motor over its speed up to the one that it does not exceed.
+/// Torque of a wheel's motor over its speed up to the one that it does not exceed, if any.
 std::vector<sim::TablePoint> motor_limit(const Driveline& d) {
   std::vector<sim::TablePoint> points;
   for (const sim::TablePoint& p : points_of(d.engine, d.efficiency))
     if (p.at < d.cut_speed) points.push_back(p);
-  points.push_back({d.cut_speed, d.efficiency * d.engine(d.cut_speed)});
+  if (std::isfinite(d.cut_speed)) points.push_back({d.cut_speed, d.efficiency * d.engine(d.cut_speed)});
   return points;
 }
 
