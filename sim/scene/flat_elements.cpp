@@ -60,8 +60,9 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
   const double command = command_limit(c.type);
   check_table(c.command, "command", -command, command, refuse);
   check_table(c.limit, "torque limit", 0, max, refuse);
-  if (has_torque_curve(c.type))
-    refuse.unless(c.limit.front().at >= 0 && c.limit.back().at > 0, "has a torque curve over negative speeds alone");
+  if (has_torque_curve(c.type)) refuse.unless(c.limit.front().at >= 0, "has a torque curve over negative speeds");
+  if (c.type == ControllerType::throttle)
+    refuse.unless(c.limit.back().at > 0, "has a torque curve without a speed that the motor does not exceed");
   if (!follows_body(c)) return;
   refuse.unless(exists(world, c.body),
                 "follows body " + std::to_string(c.body) + ", not one of the " + bodies_of(world));

@@ -130,6 +130,10 @@ TEST_CASE("a motor that holds a speed drives within its falling curve and brakes
       CHECK(speed_after(*down, slowing) == Approx(sign * (held - stall / kInertia * slowing)).epsilon(2e-3));
       CHECK(speed_after(*down, 2 * slowing) == Approx(sign * low).epsilon(1e-3));
     }
+  c.limit = {{0, stall}};  // at every speed
+  c.command = {{0, held}};
+  const auto flat = simulate(Backend::cpu, flywheel(c), {});
+  CHECK(speed_after(*flat, 1) == Approx(stall / kInertia).epsilon(1e-3));
 }
 
 TEST_CASE("a throttle that opens slowly gives the ramped share of a flat curve") {
@@ -351,6 +355,16 @@ TEST_CASE("a controller without tables, out of order, with a second on its motor
             c.command = {{0, 1.5}};
           }),
           "command of 1.5");
+  refused(with([](Controller& c) {
+            c.type = ControllerType::throttle;
+            c.limit = {{0, 3}};
+          }),
+          "without a speed that the motor does not exceed");
+  refused(with([](Controller& c) {
+            c.type = ControllerType::held_speed;
+            c.limit = {{-1, 3}, {1, 3}};
+          }),
+          "torque curve over negative speeds");
   refused(with([](Controller& c) { c.type = ControllerType::velocity_by_speed; }), "top speed");
   refused(with([](Controller& c) {
             c.type = ControllerType::velocity_by_torque;
