@@ -216,7 +216,7 @@ TEST_CASE("a calibration ends wherever it is interrupted and leaves no half tabl
   for (const std::string& file : files_below(folder.path())) CHECK(file.find(".json.tests") != std::string::npos);
 }
 
-TEST_CASE("samples, learning curves and capacities end wherever they are interrupted and leave no half file") {
+TEST_CASE("samples and learning curves and capacities end wherever they are interrupted and leave no half file") {
   const TemporaryFolder folder;
   const std::string problem = folder / "problem.json", dataset = kSource / "data/quarter_wheel_32mm/dataset.h5";
   REQUIRE(run_gonogo({"qubo", "export", "--model", "quarter_wheel_90mm", "--clamp", "slope_along=12", "--out", problem})

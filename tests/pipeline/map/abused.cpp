@@ -253,8 +253,9 @@ TEST_CASE("second rasters that do not belong are refused, and codes that mean no
 TEST_CASE("a raster of cone indices or moisture that states another unit than it is read in is refused") {
   const std::string in_psi = region(raster("cone_index", R"(, "unit": "psi")")),
                     in_kpa = region(raster("cone_index", R"(, "unit": "kPa")")),
-                    moisture = region(raster("moisture"),
-                                      R"(, "moisture": {"dry": [0, 8], "moist": [8, 20], "wet": [20, 500]})");
+                    moisture = region(
+                        raster("moisture"),
+                        R"(, "moisture": {"source": "assumed", "dry": [0, 8], "moist": [8, 20], "wet": [20, 500]})");
   const auto stated = [](const std::string& unit) {
     RasterRecipe second = codes_of(60, 60);
     second.unit = unit;
