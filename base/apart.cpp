@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-enum class Verdict : char { done = 'd', refused = 'r', out_of_memory = 'm' };  // the first byte of the answer
+enum class Answer : char { done = 'd', refused = 'r', out_of_memory = 'm' };  // the first byte of the answer
 
 /// Address space of this process [byte]; 0 if unknown.
 std::size_t address_space() {
@@ -69,20 +69,20 @@ void write_all(int fd, const char* at, std::size_t size) {
   if (memory > 0) limit_to(RLIMIT_AS, memory);
   const int quiet = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (quiet >= 0) ::dup2(quiet, STDERR_FILENO);  // where the C library prints why it aborts
-  Verdict verdict = Verdict::done;
+  Answer answer = Answer::done;
   std::string bytes;
   try {
     bytes = work();
   } catch (const InputError& error) {
-    verdict = Verdict::refused;
+    answer = Answer::refused;
     bytes = error.what();
   } catch (const std::bad_alloc&) {
-    verdict = Verdict::out_of_memory;
+    answer = Answer::out_of_memory;
     bytes.clear();
   } catch (...) {
     std::abort();
   }
-  const char first = char(verdict);
+  const char first = char(answer);
   write_all(out, &first, 1);
   write_all(out, bytes.data(), bytes.size());
   _exit(0);
@@ -163,10 +163,10 @@ ApartResult call_apart(const std::function<std::string()>& work, const ApartLimi
   std::string bytes;
   if (!read_until(pipe.end[0], end, bytes)) return {ApartEnd::out_of_time};
   if (!child.wait() || bytes.empty()) return {ApartEnd::crashed};
-  const auto verdict = Verdict(bytes.front());
+  const auto answer = Answer(bytes.front());
   bytes.erase(0, 1);
-  if (verdict == Verdict::out_of_memory) return {ApartEnd::out_of_memory};
-  if (verdict == Verdict::refused) return {.refusal = std::move(bytes)};
+  if (answer == Answer::out_of_memory) return {ApartEnd::out_of_memory};
+  if (answer == Answer::refused) return {.refusal = std::move(bytes)};
   return {.bytes = std::move(bytes)};
 }
 

@@ -144,14 +144,8 @@ double ridge_number(int k) { return std::pow(10, 0.5 * (k - 5)); }
 /// Adds the sum of -w log P(label) over the rows of fold `without` for every ridge, by models without these rows.
 void add_held_out_loss(const TrainingTable& terms, std::span<const int> label, const std::vector<std::size_t>& fold,
                        std::size_t without, std::array<double, kRidges>& loss) {
-  std::vector<std::size_t> training;
-  std::vector<int> training_label;
-  for (std::size_t n = 0; n < fold.size(); ++n) {
-    if (fold[n] == without) continue;
-    training.push_back(n);
-    training_label.push_back(label[n]);
-  }
-  const LogisticFit fit(terms.subset(training), training_label);
+  const LogisticFit fit = fit_without(terms, label, fold, without,
+                                      [](const TrainingTable& rows, auto labels) { return LogisticFit(rows, labels); });
   for (int k = 0; k < kRidges; ++k) {
     const LogisticModel model = fit.at(ridge_number(k));
     for (std::size_t n = 0; n < fold.size(); ++n) {

@@ -18,10 +18,10 @@ struct Standardisation {
 
 Standardisation standardisation_of(const TrainingTable& table);
 
-/// Writes the forecast of every row of fold `without` by a model that `fit` makes from the other folds. result: [row].
+/// What `fit` makes of the rows that are not of fold `without`.
 template <class Fit>
-void forecast_fold(const TrainingTable& table, std::span<const int> label, const std::vector<std::size_t>& fold,
-                   std::size_t without, const Fit& fit, std::span<double> result) {
+auto fit_without(const TrainingTable& table, std::span<const int> label, const std::vector<std::size_t>& fold,
+                 std::size_t without, const Fit& fit) {
   std::vector<std::size_t> training;
   std::vector<int> training_label;
   for (std::size_t n = 0; n < fold.size(); ++n) {
@@ -29,7 +29,14 @@ void forecast_fold(const TrainingTable& table, std::span<const int> label, const
     training.push_back(n);
     training_label.push_back(label[n]);
   }
-  const auto model = fit(table.subset(training), std::span<const int>(training_label));
+  return fit(table.subset(training), std::span<const int>(training_label));
+}
+
+/// Writes the forecast of every row of fold `without` by a model that `fit` makes from the other folds. result: [row].
+template <class Fit>
+void forecast_fold(const TrainingTable& table, std::span<const int> label, const std::vector<std::size_t>& fold,
+                   std::size_t without, const Fit& fit, std::span<double> result) {
+  const auto model = fit_without(table, label, fold, without, fit);
   for (std::size_t n = 0; n < fold.size(); ++n)
     if (fold[n] == without) result[n] = model(table.row(n));
 }
