@@ -246,7 +246,8 @@ TEST_CASE("the cone's line is that of the mean of its beds, at even depths") {
 
 TEST_CASE("a pressure in proportion to the depth of what the cone presses shows its gradient, whatever its noise") {
   // A 30 degree cone is 1.866 base diameters high: a third of that lies 0.0622 m below a base of 0.1 m.
-  ConeResult clean{.diameter = 0.1}, noisy{.diameter = 0.1};
+  ConeResult clean, noisy;
+  clean.diameter = noisy.diameter = 0.1;
   for (int k = 0; k <= 20; ++k) {
     const double z = 0.0075 * k;
     clean.profile.push_back({z, 4e5 * (z + 0.1 / 6 / std::tan(to_radians(15)))});
