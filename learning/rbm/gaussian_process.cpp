@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "base/error.h"
@@ -117,7 +118,7 @@ struct Precision {
 };
 constexpr Precision kExact = {1e-9, true};
 /// The evidence is then known to some 0.001 nat, a tenth of what ends a search.
-constexpr Precision kRough = {1e-7, false};
+constexpr Precision kRough = {1e-6, false};
 
 template <class T>
 double scalar_product(const Column<T>& a, const Column<T>& b) {
@@ -142,13 +143,26 @@ double log_posterior(const RowLikelihood<T>& likelihood, const Column<T>& a, con
   return likelihood.value(f) - 0.5 * scalar_product<T>(a, f - m);
 }
 
-/// Newton's method (algorithm 3.1) from `start` [row], or from the mean m [row] if that is empty. A step that lowers
-/// the posterior is halved. matrices: of the kernel.
+/// Where Newton's method may begin, not yet a mode: f, or m where f is empty.
 template <class T>
-Mode<T> find_mode(Matrices<T>& matrices, const RowLikelihood<T>& likelihood, const Column<T>& m, const Column<T>& start,
+Mode<T> start_at(const Column<T>& f, const Column<T>& m) {
+  return {.f = f.size() > 0 ? f : m, .log_posterior = -INFINITY};
+}
+/// The same at m + K a, or at m where a is empty.
+template <class T>
+Mode<T> start_with(const Matrix<T>& K, const RowLikelihood<T>& likelihood, const Column<T>& m, const Column<T>& a) {
+  if (a.size() == 0) return start_at<T>({}, m);
+  Mode<T> mode{.f = m + symmetric_product<T>(K, a), .a = a};
+  mode.log_posterior = log_posterior(likelihood, a, mode.f, m);
+  return mode;
+}
+
+/// Newton's method (algorithm 3.1) from a start. A step that lowers the posterior is halved. matrices: of the kernel;
+/// m: the mean of f [row].
+template <class T>
+Mode<T> find_mode(Matrices<T>& matrices, const RowLikelihood<T>& likelihood, const Column<T>& m, Mode<T> mode,
                   const Precision& precision) {
   const Matrix<T>& K = matrices.K;
-  Mode<T> mode{.f = start.size() > 0 ? start : m, .log_posterior = -INFINITY};
   for (int step = 0; step < kNewtonSteps; ++step) {
     const Column<T> W = likelihood.curvature(mode.f);
     factorise_curved(matrices, W, mode);
@@ -287,51 +301,81 @@ LabelledInputs<double> some_rows(const LabelledInputs<double>& rows, std::size_t
 
 /// Numbers of rows of the stages of a search. Each begins where the one before ended: most steps are then taken on few
 /// rows, whose matrices cost an eighth. Of half as many, an input that acts to both sides alike may look as if it did
-/// nothing. The search then ends at its long length, a lower summit, also on all rows.
-std::vector<std::size_t> stages(std::size_t rows, const GaussianProcessSettings& settings) {
+/// nothing. The search then ends at its long length, a lower summit, also on all rows. No stage has fewer rows than the
+/// search has seen.
+std::vector<std::size_t> stages(std::size_t rows, const GaussianProcessSettings& settings, std::size_t seen = 0) {
   constexpr std::size_t kFewest = 400;
   std::vector<std::size_t> result{std::min(rows, settings.search_rows)};
-  while (result.front() / 2 >= kFewest) result.insert(result.begin(), result.front() / 2);
+  while (result.front() / 2 >= std::max(kFewest, seen)) result.insert(result.begin(), result.front() / 2);
   return result;
 }
 
-/// The logs of a search, and the rows and a of the mode found last.
+/// The logs of a search, and the rows and a of the mode with them.
 struct FoundKernel {
   KernelLogs logs;
   Matrix<double> Z{};
   Column<double> a{};
-  /// The latent function that it expects of rows; none before a mode was found. Z: [row x variable]
+  /// A beginning for Newton's method on other rows: the latent function that it expects, but 0 where the label says
+  /// the opposite, from where a step would be far too long. None before a mode was found.
   template <class T>
   Column<T> expected(const LabelledInputs<T>& rows) const {
     if (a.size() == 0) return {};
     const Matrix<T> from = Z.template cast<T>();
-    return rows.mean + (kernel<T>(rows.Z, from, logs) * a.template cast<T>().matrix()).array();
+    const Column<T> f = rows.mean + (kernel<T>(rows.Z, from, logs) * a.template cast<T>().matrix()).array();
+    return rows.likelihood.sign * (rows.likelihood.sign * f).max(T(0));
   }
 };
 
-FoundKernel searched(const LabelledInputs<double>& all, const GaussianProcessSettings& settings) {
-  using T = Searched;
-  KernelLogs centre(std::size_t(all.Z.cols()), std::log(settings.prior_length));
+KernelSearch new_search(std::size_t variables, const GaussianProcessSettings& settings) {
+  KernelLogs centre(variables, std::log(settings.prior_length));
   centre.push_back(std::log(settings.prior_variance));
-  KernelSearch search(std::move(centre), settings.prior_width);
+  return KernelSearch(std::move(centre), settings.prior_width);
+}
+
+/// Goes on with a search.
+FoundKernel searched(const LabelledInputs<double>& all, const GaussianProcessSettings& settings, KernelSearch& search) {
+  using T = Searched;
   FoundKernel found;
-  for (const std::size_t count : stages(std::size_t(all.Z.rows()), settings)) {
+  for (const std::size_t count : stages(std::size_t(all.Z.rows()), settings, search.rows())) {
     const LabelledInputs<double> exact = some_rows(all, count, settings.seed);
     const LabelledInputs<T> rows = exact.to<T>();
     Matrices<T> matrices(rows.Z.rows());
-    Column<T> start = found.expected(rows), a;
+    std::map<KernelLogs, Column<T>> a;  // of the modes found
+    Column<T> f = found.expected(rows);
     search.run(
         [&](const KernelLogs& logs) {
           fill_kernel(rows.Z, logs, matrices.K);
-          if (a.size() > 0) start = rows.mean + symmetric_product<T>(matrices.K, a);
-          const Mode<T> mode = find_mode(matrices, rows.likelihood, rows.mean, start, kRough);
-          if (mode.found) a = mode.a;
+          const Mode<T> mode = find_mode(matrices, rows.likelihood, rows.mean, start_at(f, rows.mean), kRough);
+          if (mode.found) {
+            a[logs] = mode.a;
+            f = mode.f;
+          }
           return evidence_at(rows.Z, matrices, rows.likelihood, mode, logs);
         },
         count, settings.search_steps);
-    found = {search.logs(), exact.Z, a.cast<double>()};
+    found = {search.logs(), exact.Z, a[search.logs()].template cast<double>()};
   }
   return found;
+}
+
+/// The mode of all rows: Newton's method in single precision, and on from there in double precision. Near the mode a
+/// step leaves little more than the square of its gain to be gained.
+Mode<double> posterior_mode(Matrices<double>& matrices, const LabelledInputs<double>& rows, const FoundKernel& found,
+                            bool with_factor) {
+  using T = Searched;
+  constexpr double kLastGain = 1e-6;
+  Column<double> a;
+  {
+    const LabelledInputs<T> rough = rows.to<T>();
+    Matrices<T> single(rough.Z.rows());
+    fill_kernel(rough.Z, found.logs, single.K);
+    const Mode<T> near =
+        find_mode(single, rough.likelihood, rough.mean, start_at(found.expected(rough), rough.mean), kRough);
+    if (near.found) a = near.a.cast<double>();
+  }
+  fill_kernel(rows.Z, found.logs, matrices.K);
+  return find_mode(matrices, rows.likelihood, rows.mean, start_with(matrices.K, rows.likelihood, rows.mean, a),
+                   {kLastGain, with_factor});
 }
 
 /// Mean of sigmoid(f) for a normal f: 20-point Gauss-Hermite quadrature on the nodes of exp(-t^2).
@@ -356,19 +400,19 @@ double mean_sigmoid(const Latent& f) {
 struct GaussianProcessModel::Rows {
   Matrix<double> Z;
   Column<double> slope, root;  // the slope of the log likelihood at the mode, and that of Mode
-  Matrix<double> factor;       // of Matrices at the mode
+  Matrix<double> factor;       // of Matrices at the mode; empty without variances
 };
 
 /// Makes models, which only these functions may fill.
 struct ProcessMaker {
   static GaussianProcessModel make(const TrainingTable& table, const LabelledInputs<double>& rows,
-                                   const FoundKernel& found) {
+                                   const FoundKernel& found, bool variances) {
     GaussianProcessModel model;
     model.scaling_ = standardisation_of(table);
     model.logs_ = found.logs;
     Matrices<double> matrices(rows.Z.rows());
-    fill_kernel(rows.Z, found.logs, matrices.K);
-    const Mode<double> mode = find_mode(matrices, rows.likelihood, rows.mean, found.expected(rows), kExact);
+    const Mode<double> mode = posterior_mode(matrices, rows, found, variances);
+    if (!variances) matrices.factor.resize(0, 0);
     model.rows_ = std::make_shared<const GaussianProcessModel::Rows>(
         GaussianProcessModel::Rows{rows.Z, rows.likelihood.slope(mode.f), mode.root, std::move(matrices.factor)});
     return model;
@@ -384,21 +428,27 @@ LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const
   const RowLikelihood<double> likelihood = row_likelihood(label, weight);
   Matrices<double> matrices(Z.rows());
   fill_kernel(Z, logs, matrices.K);
-  const Mode<double> mode = find_mode(matrices, likelihood, mean_or_zero({}, label.size()), Column<double>(), kExact);
+  const Column<double> m = mean_or_zero({}, label.size());
+  const Mode<double> mode = find_mode(matrices, likelihood, m, start_at<double>({}, m), kExact);
   return evidence_at(Z, matrices, likelihood, mode, logs);
 }
 
 GaussianProcessModel gaussian_process_with(const TrainingTable& table, std::span<const int> label,
                                            const KernelLogs& logs, std::span<const double> mean) {
   GONOGO_ASSERT(label.size() == table.row_count() && logs.size() == table.variable_count + 1);
-  return ProcessMaker::make(table, labelled(table, label, standardisation_of(table), mean), {logs});
+  return ProcessMaker::make(table, labelled(table, label, standardisation_of(table), mean), {logs}, true);
 }
 
 GaussianProcessModel fit_gaussian_process(const TrainingTable& table, std::span<const int> label,
-                                          const GaussianProcessSettings& settings, std::span<const double> mean) {
+                                          const GaussianProcessSettings& settings, std::span<const double> mean,
+                                          const KernelSearch* begun) {
   GONOGO_ASSERT(label.size() == table.row_count());
   const LabelledInputs<double> rows = labelled(table, label, standardisation_of(table), mean);
-  return ProcessMaker::make(table, rows, searched(rows, settings));
+  KernelSearch search = begun ? *begun : new_search(table.variable_count, settings);
+  const FoundKernel found = searched(rows, settings, search);
+  GaussianProcessModel model = ProcessMaker::make(table, rows, found, settings.variances);
+  model.search_ = std::move(search);
+  return model;
 }
 
 namespace {
@@ -417,6 +467,7 @@ void for_each_block(const Standardisation& scaling, std::span<const double> poin
 }  // namespace
 
 std::vector<Latent> GaussianProcessModel::latent(std::span<const double> points, std::span<const double> mean) const {
+  GONOGO_ASSERT(rows_->factor.size() > 0);
   const Column<double> m = mean_or_zero(mean, points.size() / scaling_.mean.size());
   const double prior = std::exp(logs_.back());
   std::vector<Latent> result;

@@ -12,6 +12,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct GaussianProcessSettings {
   std::size_t search_rows = 1000;  // max rows for l_v and s, drawn by the seed; the posterior takes all rows
   std::size_t search_steps = 40;   // max of each stage of the search, see KernelSearch
   std::uint64_t seed = 1;
+  bool variances = true;  // without them a model gives most_probable() alone, and is fitted sooner
 };
 
 /// log l_v [variable], then log s.
@@ -52,21 +54,28 @@ class GaussianProcessModel {
   std::vector<Latent> latent(std::span<const double> points, std::span<const double> mean = {}) const;
   double operator()(std::span<const double> variables) const;
   const KernelLogs& logs() const { return logs_; }
+  /// That found the logs; null if they were given.
+  const KernelSearch* search() const { return search_ ? &*search_ : nullptr; }
 
  private:
   friend struct ProcessMaker;
+  friend GaussianProcessModel fit_gaussian_process(const TrainingTable&, std::span<const int>,
+                                                   const GaussianProcessSettings&, std::span<const double>,
+                                                   const KernelSearch*);
   struct Rows;  // the training rows and the posterior there
   Standardisation scaling_;
   KernelLogs logs_;
+  std::optional<KernelSearch> search_;
   std::shared_ptr<const Rows> rows_;
 };
 
-/// Searches l_v and s and takes the posterior. label: [row_count()] of {0, 1}; mean: m of every row, or empty.
+/// Searches l_v and s and takes the posterior. label: [row_count()] of {0, 1}; mean: m of every row, or empty; begun: a
+/// search on the same rows with another mean, whose end is a good beginning.
 /// Deterministic in the seed, whatever other threads do. Takes time proportional to the cube of the rows: 100 rows less
 /// than 0.1 s, 3,000 rows less than a minute.
 GaussianProcessModel fit_gaussian_process(const TrainingTable& table, std::span<const int> label,
                                           const GaussianProcessSettings& settings = {},
-                                          std::span<const double> mean = {});
+                                          std::span<const double> mean = {}, const KernelSearch* begun = nullptr);
 /// The posterior for given l_v and s.
 GaussianProcessModel gaussian_process_with(const TrainingTable& table, std::span<const int> label,
                                            const KernelLogs& logs, std::span<const double> mean = {});

@@ -420,12 +420,14 @@ struct FoldRows {
   std::vector<std::size_t> training, held_out;
 };
 
-/// The results of all folds, of which `threads` are trained at a time (0: as many as there are cores).
+/// The results of all folds, of which `threads` are trained at a time (0: as many as there are cores). `beside` comes
+/// after the last.
 std::vector<FoldResult> trained_folds(const VisibleLayout& layout, const TrainingTable& table,
                                       const TrainingSettings& settings, const Sampler& sampler,
                                       const std::vector<FoldRows>& rows, int threads,
                                       const std::function<void(std::size_t)>& progress, const EpochHook& watch,
-                                      const FoldStore& store, const FoldTeaching& teaching) {
+                                      const FoldStore& store, const FoldTeaching& teaching,
+                                      const std::function<void()>& beside) {
   std::vector<FoldResult> result(rows.size());
   std::mutex one_at_a_time;  // of the caller's functions
   std::size_t done = 0;
@@ -437,8 +439,9 @@ std::vector<FoldResult> trained_folds(const VisibleLayout& layout, const Trainin
     return call([&] { return !watch || watch(epoch, weights); });
   };
   for_each_on_host(
-      rows.size(), 1,
+      rows.size() + (beside ? 1 : 0), 1,
       [&](std::size_t f) {
+        if (f == rows.size()) return beside();
         if (rows[f].training.empty()) throw InputError("cross-validation: fewer groups of trials than folds");
         std::optional<FoldResult> kept = call([&] { return store.find ? store.find(f) : std::nullopt; });
         if (!kept) {
@@ -476,7 +479,8 @@ void add_fold(const FoldResult& fold, const std::vector<std::size_t>& held_out, 
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
                                const std::function<void(std::size_t)>& progress, const EpochHook& watch,
-                               const FoldStore& store, const FoldTeaching& teaching) {
+                               const FoldStore& store, const FoldTeaching& teaching,
+                               const std::function<void()>& beside) {
   check_table(layout, table, settings);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
@@ -485,7 +489,7 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
     for (std::size_t f = 0; f < fold_count; ++f) (fold[n] == f ? rows[f].held_out : rows[f].training).push_back(n);
   const bool together = trains_by_words(layout, table, settings, sampler);
   const std::vector<FoldResult> done =
-      trained_folds(layout, table, settings, sampler, rows, together ? 0 : 1, progress, watch, store, teaching);
+      trained_folds(layout, table, settings, sampler, rows, together ? 0 : 1, progress, watch, store, teaching, beside);
   CrossValidation result;
   std::vector<std::vector<double>> probability;  // [report][row x outcome]
   for (std::size_t f = 0; f < fold_count; ++f)

@@ -106,6 +106,7 @@ struct FoldStore {
 using FoldTeaching = std::function<std::shared_ptr<const Teaching>(std::size_t fold)>;
 
 /// k-fold cross-validation with early stopping. `watch` is called with every fold's machine at its report epochs.
+/// `beside` is run once, as if it trained one more fold.
 struct CrossValidation {
   std::size_t best_epoch = 0;       // epoch of the smallest held-out loss over all folds
   std::vector<EpochLog> log;        // one entry per report epoch, mean over folds
@@ -115,6 +116,6 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
                                const std::function<void(std::size_t folds_done)>& progress = {},
                                const EpochHook& watch = {}, const FoldStore& store = {},
-                               const FoldTeaching& teaching = {});
+                               const FoldTeaching& teaching = {}, const std::function<void()>& beside = {});
 
 }  // namespace gonogo::learning

@@ -89,13 +89,13 @@ std::vector<Case> geojson_cases() {
       {"NaN", one(replaced(kPolygon, "500199", "NaN")), 0, kNowhere},
       {"infinity", one(replaced(kPolygon, "500199", "1e999")), 0, kNowhere},
       {"far off any globe", one(replaced(kPolygon, "500199", "500199e9")), 0, kNowhere},
-      {"metres that count as degrees", collection(whole, ""), 0, kNowhere},
+      {"metres that count as degrees", collection(whole, ""), 0, "name the system that it is in with"},
       {"latitude first",
        collection(
            feature(
                R"({"type": "Polygon", "coordinates": [[[39.7, -123], [39.7, -122.9], [39.8, -122.9], [39.7, -123]]]})"),
            ""),
-       0, kNowhere},
+       0, "if latitudes stand first"},
       {"a point", one(R"({"type": "Point", "coordinates": [500150, 4399850]})"), 0, "no polygon (Point)"},
       {"a point beside it", second(R"({"type": "Point", "coordinates": [500150, 4399850]})"), 0, "no polygon (Point)"},
       {"a line", one(R"({"type": "LineString", "coordinates": )" + kRing + "}"), 0, "no polygon"},

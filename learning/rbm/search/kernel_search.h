@@ -24,6 +24,8 @@ class KernelSearch {
   KernelSearch(std::vector<double> centre, double width);
 
   const std::vector<double>& logs() const { return logs_; }
+  /// Of the last stage; 0 before.
+  std::size_t rows() const { return rows_; }
 
   /// Ends after `steps`, or where a step should gain less than 0.002 nat after one that gained little. rows: of the
   /// evidence, which curves it.

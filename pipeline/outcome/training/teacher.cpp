@@ -323,7 +323,8 @@ Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others)
   const std::vector<double> expected_odds = mean(variables_of(table.variables, table.variable_count, variables_));
   table.variables = with_knowledge(others, std::move(table.variables), table.variable_count, variables_);
   table.variable_count = table.variables.size() / table.row_count();
-  plain_ = learning::fit_gaussian_process(table, label, {}, expected_odds);
+  const learning::GaussianProcessSettings settings{.variances = false};
+  plain_ = learning::fit_gaussian_process(table, label, settings, expected_odds);
   const std::vector<std::size_t> known = graded_rows(table);
   if (known.size() < kFewest) return;
   const learning::TrainingTable inputs = with_input(table.subset(known), excess_of_slope);
@@ -335,7 +336,7 @@ Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others)
   for (std::size_t k = 0; k < known.size(); ++k) expected.variables[known[k]] = share.leave_one_out()[k];
   const learning::LogisticModel passes = learning::fit_logistic(expected, label, kRidge);
   learning::GaussianProcessModel rest =
-      learning::fit_gaussian_process(table, label, {}, log_odds(passes, expected.variables));
+      learning::fit_gaussian_process(table, label, settings, log_odds(passes, expected.variables), plain_.search());
   graded_.emplace(Graded{std::move(share), passes, std::move(rest)});
 }
 

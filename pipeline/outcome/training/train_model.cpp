@@ -221,28 +221,34 @@ class Teachers {
            const std::vector<double>& points, const KeptWork& kept)
       : in_(in), fold_(fold), points_(points), kept_(kept), answers_(fold_count + 1) {}
 
-  /// Fits those that were not kept, as many at a time as there are cores.
-  void fit() {
+  /// Fits those of the folds that were not kept, as many at a time as there are cores.
+  void fit_folds() {
     std::mutex keeping;  // HDF5 has one thread
     for (std::size_t machine = 0; machine < answers_.size(); ++machine) answers_[machine] = kept_.process(machine);
     std::vector<std::pair<std::size_t, bool>> tasks;  // machine, whether it teaches; what takes longer first
     for (const bool teaches : {true, false})
-      for (std::size_t machine = answers_.size(); machine-- > 0;)
+      for (std::size_t machine = 0; machine < last(); ++machine)
         if (!answers_[machine]) tasks.emplace_back(machine, teaches);
-    std::vector<ProcessAnswers> found(answers_.size());
-    std::vector<int> left(answers_.size(), 2);
+    std::vector<ProcessAnswers> found(last());
+    std::vector<int> left(last(), 2);
     for_each_on_host(tasks.size(), 1, [&](std::size_t k) {
       const auto [machine, teaches] = tasks[k];
-      const bool has_fold = machine + 1 < answers_.size();
       if (teaches)
         found[machine].taught = taught(machine);
-      else if (has_fold)
+      else
         found[machine].held_out = forecasts(machine);
       const std::lock_guard lock(keeping);
       if (--left[machine] > 0) return;
       kept_.keep_process(machine, found[machine]);
       answers_[machine] = std::move(found[machine]);
     });
+  }
+  /// Fits the last one if it was not kept. It may run beside other work of a training, and is kept by keep_last().
+  void fit_last() {
+    if (!answers_[last()]) answers_[last()] = fitted_last_.emplace(ProcessAnswers{{}, taught(last())});
+  }
+  void keep_last() const {
+    if (fitted_last_) kept_.keep_process(last(), *fitted_last_);
   }
 
   /// What a machine is taught; none without a weight.
@@ -262,6 +268,7 @@ class Teachers {
     learning::TrainingTable seen, unseen;
     OtherTrials others;
   };
+  std::size_t last() const { return answers_.size() - 1; }
   Rows rows_of(std::size_t machine) const {
     std::vector<std::size_t> training, held_out;
     for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == machine ? held_out : training).push_back(n);
@@ -285,6 +292,7 @@ class Teachers {
   const std::vector<double>& points_;  // that a teacher labels
   const KeptWork& kept_;
   std::vector<std::optional<ProcessAnswers>> answers_;  // [machine]
+  std::optional<ProcessAnswers> fitted_last_;
 };
 
 /// Folds of a stand-in are not kept: the run that continues would not know of it.
@@ -439,14 +447,16 @@ TrainingReport train_model(const TrainRequest& request) {
   const std::vector<double> points =
       taught_points(in.data.lower, in.data.upper, in.settings.taught_points, request.seed);
   Teachers teachers(in, fold, folds, points, kept);
-  progress.teach(table.row_count(), [&] { teachers.fit(); });
+  progress.teach(table.row_count(), [&] { teachers.fit_folds(); });
   learning::CrossValidation validation = cross_validate(
       model.layout, table, training, source.sampler(), folds,
       [&](std::size_t done) {
         progress.machine_done(done);
         source.begin();
       },
-      progress.watch(), fold_store(kept, progress, source), [&](std::size_t f) { return teachers.of(f); });
+      progress.watch(), fold_store(kept, progress, source), [&](std::size_t f) { return teachers.of(f); },
+      [&] { teachers.fit_last(); });
+  teachers.keep_last();
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
   if (in.settings.calibrate) model.calibration_power = calibrate(in.data, validation, fold, folds);
