@@ -6,9 +6,9 @@
 
 Other trials score than those that a model was trained on: those of another dataset, or those held out of its own.
 
-The rivals come from scikit-learn: boosted trees with the known monotone directions, logistic regression on squares and
-products, and an ensemble of ten networks. `gonogo evaluate` scores an exact Gaussian process. Models in folders
-trials_N_subset_K (`gonogo learning-curve`) are averaged over K.
+Rivals of scikit-learn are boosted trees with the known monotone directions, logistic regression on squares and products,
+and an ensemble of ten networks. `gonogo evaluate` scores model and exact Gaussian process, and how well rows of the machine
+are told from trials. Models in folders trials_N_subset_K (`gonogo learning-curve`) are averaged over K.
 """
 import argparse
 import collections
@@ -97,6 +97,19 @@ def model_scores(gonogo, model, names, points, happened):
             return scores(numpy.array([float(row["p_go"]) for row in csv.DictReader(file)]), happened)
 
 
+def evaluated(gonogo, model, dataset):
+    """Brier score and log loss of model and process, and two-sample AUC (bins, values) of machine and floor."""
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([gonogo, "evaluate", "--model", str(model), "--dataset", str(dataset), "--out", folder], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        found = json.loads((pathlib.Path(folder) / "evaluation.json").read_text())
+    rows = {name: (found["scores"][key]["brier"], found["scores"][key]["log_loss_nat"])
+            for name, key in (("model", "model"), ("Gaussian process", "gaussian_process"))}
+    kinds = found["joint"]["kinds"]
+    return rows | {name: (kinds[key]["auc_bins"], kinds[key]["auc_values"])
+                   for name, key in (("AUC of rows", "machine"), ("AUC of trials", "trials"))}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("models", nargs="+", type=pathlib.Path)
@@ -114,10 +127,11 @@ def main():
         size = len(label)
         folder = re.fullmatch(r"trials_(\d+)_subset_\d+", model.resolve().parent.name)
         row = found[int(folder[1]) if folder else size]
-        row["model"].append(model_scores(options.gonogo, model, names, fresh, happened))
+        for name, pair in evaluated(options.gonogo, model, options.dataset).items():
+            row[name].append(pair)
         for name, fit in rivals([names[v] for v in used]).items():
             row[name].append(scores(fit(x, label).predict_proba(z)[:, 1], happened))
-    print("trials, models, scores (Brier, log loss [nat]): mean over the models")
+    print("trials, models, scores (Brier, log loss [nat]) and AUC (bins, values): mean over the models")
     for size, row in sorted(found.items()):
         print(size, len(row["model"]), *(f"| {name} {numpy.mean(s, 0)[0]:.4f}, {numpy.mean(s, 0)[1]:.3f}" for name, s in row.items()))
 

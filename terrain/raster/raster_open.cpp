@@ -123,13 +123,28 @@ bool same_place_system(GDALDataset& a, GDALDataset& b) {
   return first->IsSame(second);
 }
 
+/// "EPSG:26911", or the whole description where no authority has a number for it.
+std::string code_of(const OGRSpatialReference& crs) {
+  const char *authority = crs.GetAuthorityName(nullptr), *code = crs.GetAuthorityCode(nullptr);
+  return authority && code ? std::string(authority) + ":" + code : export_wkt(crs);
+}
+
+/// How to bring a tile to the system of the first.
+std::string how_to_bring(GDALDataset& tile, const std::string& name, const OGRSpatialReference* system) {
+  if (!system || !tile.GetSpatialRef()) return "name the system of each with gdal_translate -a_srs";
+  return "bring it there with: " +
+         command_on("gdalwarp -r bilinear -t_srs " + shell_word(code_of(*system)), tile, name, "tile.tif");
+}
+
 /// Puts tiles together. GDAL leaves out tiles that do not fit, with a warning; here they are refused.
 void join_tiles(OpenRaster& raster, const RasterFiles& files) {
   std::vector<GDALDatasetH> handles;
   for (std::size_t i = 0; i < raster.sources.size(); ++i) {
     if (!same_place_system(*raster.sources.front(), *raster.sources[i]))
-      throw InputError(files.file[i].string() + ": is not in the coordinate system of " + files.file[0].string() +
-                       ", and tiles of one raster must share it; bring it there with gdalwarp -t_srs");
+      throw InputError(
+          files.file[i].string() + ": is not in the coordinate system of " + files.file[0].string() +
+          ", and tiles of one raster must share it; " +
+          how_to_bring(*raster.sources[i], files.file[i].string(), raster.sources.front()->GetSpatialRef()));
     require_north_up(*raster.sources[i], files.file[i].string());
     handles.push_back(raster.sources[i].get());
   }
@@ -197,8 +212,8 @@ GeoTransform require_north_up(GDALDataset& dataset, const std::string& name) {
   GeoTransform t;
   if (dataset.GetGeoTransform(t.value) != CE_None)
     throw InputError(name +
-                     ": does not say where its cells lie (no geotransform); georeference it first, for "
-                     "example with gdal_translate -a_ullr");
+                     ": does not say where its cells lie (no geotransform); name the edges of its ground with: " +
+                     command_on("gdal_translate -a_ullr <west> <north> <east> <south>", dataset, name, "placed.tif"));
   if (!is_straight(t) || !(t.value[1] > 0) || !(t.value[5] < 0))
     throw InputError(name + ": its rows do not run west to east (rotated geotransform); straighten it with: " +
                      command_on("gdalwarp -r bilinear", dataset, name, "north_up.tif"));
@@ -233,8 +248,7 @@ MapGrid describe_grid(int columns, int rows, const OGRSpatialReference& crs, con
   grid.crs_wkt = export_wkt(crs);
   grid.body_radius = crs.GetSemiMajor();
   if (const char* name = crs.GetName()) grid.crs_name = name;
-  const char *authority = crs.GetAuthorityName(nullptr), *code = crs.GetAuthorityCode(nullptr);
-  if (authority && code) grid.crs_code = std::string(authority) + ":" + code;
+  if (crs.GetAuthorityName(nullptr) && crs.GetAuthorityCode(nullptr)) grid.crs_code = code_of(crs);
   return grid;
 }
 
@@ -317,8 +331,8 @@ void require_heights(GDALDataset& dataset, const std::string& name) {
     throw InputError(
         name +
         ": marks its voids by a second band that is transparent there, which counts for whole numbers of 8 "
-        "and 16 bits alone; write them as nodata with: " +
-        command_on("gdalwarp -srcalpha -dstnodata -9999", dataset, name, "declared.tif"));
+        "and 16 bits alone; make the band a mask with: " +
+        command_on("gdal_translate -b 1 -mask 2", dataset, name, "masked.tif"));
 }
 
 std::string remark_on_bands(GDALDataset& dataset, const std::string& name) {
@@ -562,10 +576,10 @@ std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialRefere
   const auto around = extent_on(dataset, t, crs, degrees);
   const bool polar = std::abs(y) > kPolar;
   if (wish.crs.empty() && !polar && around && width_in_degrees(*around) > kWidest)
-    throw refuse(
-        line("is %.3g degrees of longitude wide, at most %g fit on one grid in metres; cut it with gdalwarp -te, "
-             "or name a projection with \"grid\" in the region",
-             width_in_degrees(*around), kWidest));
+    throw refuse(line("is %.3g degrees of longitude wide, at most %g fit on one grid in metres; name a projection with "
+                      "\"grid\" in the region, or cut it with: ",
+                      width_in_degrees(*around), kWidest) +
+                 command_on("gdalwarp -te <west> <south> <east> <north>", dataset, raster.name, "cut.tif"));
   const auto extent = extent_on(dataset, t, crs, target);
   if (!extent) throw refuse("cannot be carried over to the map's grid (" + call.message() + ")");
   const double cell = wish.cell_size > 0 ? wish.cell_size : rounded_cell(std::sqrt((*size)[0] * (*size)[1]));

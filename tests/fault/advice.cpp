@@ -163,9 +163,10 @@ std::string virtual_raster(const std::string& system, const std::string& transfo
          "</GeoTransform><VRTRasterBand dataType=\"Float32\" band=\"1\">" + band + "</VRTRasterBand></VRTDataset>";
 }
 
-/// The value of a cell in the middle, by gdallocationinfo.
-double middle_of(const Ground& ground, const std::string& file) {
-  const ShellEnding ending = shell("gdallocationinfo -valonly " + shell_word(ground.path(file).string()) + " 12 20");
+/// The value of a cell in the middle column, by gdallocationinfo.
+double value_of(const Ground& ground, const std::string& file, int row = 20) {
+  const ShellEnding ending =
+      shell("gdallocationinfo -valonly " + shell_word(ground.path(file).string()) + " 12 " + std::to_string(row));
   INFO(ending.output);
   REQUIRE(ending.status == 0);
   return std::stod(ending.output);
@@ -180,7 +181,7 @@ TEST_CASE("heights in centimetres become metres, not whole ones, by the command 
                                        "whole.tif</SourceFilename></SimpleSource>"));
   ground.follow(filled(advice(ground.refused("cm.vrt"), "gdal_calc.py"), "<metres>", "0.01"));
   ground.made("metres.tif");
-  CHECK(middle_of(ground, "metres.tif") == Approx(middle_of(ground, "ok.tif")).margin(0.0051));
+  CHECK(value_of(ground, "metres.tif") == Approx(value_of(ground, "ok.tif")).margin(0.0051));
 }
 
 TEST_CASE("degrees that are said to be metres are called degrees by the command that the refusal names") {
@@ -191,6 +192,67 @@ TEST_CASE("degrees that are said to be metres are called degrees by the command 
                                        "</SimpleSource>"));
   ground.follow(advice(ground.refused("degrees.vrt"), "gdal_translate -a_srs EPSG:4326"));
   ground.made("in_degrees.tif");
+}
+
+TEST_CASE("a raster that does not say where it lies is placed by the command that its refusal names") {
+  const Ground ground;
+  write_file_atomically(ground.path("lost.vrt"),
+                        "<VRTDataset rasterXSize=\"24\" rasterYSize=\"40\"><SRS>EPSG:32610</SRS><VRTRasterBand "
+                        "dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename relativeToVRT=\"1\">ok.tif"
+                        "</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>");
+  std::string command = advice(ground.refused("lost.vrt"), "gdal_translate -a_ullr");
+  for (const auto& [edge, metres] : {std::pair("<west>", "730000"), std::pair("<north>", "4368400"),
+                                     std::pair("<east>", "730240"), std::pair("<south>", "4368000")})
+    command = filled(command, edge, metres);
+  ground.follow(command);
+  ground.made("placed.tif");
+}
+
+TEST_CASE("voids that a second band marks become voids of a mask by the command that the refusal names") {
+  const Ground ground;
+  ground.follow("gdal_calc.py --quiet -A ok.tif --calc '255 * (A < 2040)' --type Float32 --outfile high.tif");
+  ground.follow("gdalbuildvrt -q -separate both.vrt ok.tif high.tif");
+  ground.gdal("gdal_translate -q -colorinterp_2 alpha -co ALPHA=YES", "both.vrt", "marked.tif");
+  ground.follow(advice(ground.refused("marked.tif"), "gdal_translate -b 1 -mask 2"));
+  const std::string made = ground.made("masked.tif"), go = advice(made, ground.path("map ").string());
+  CHECK(value_of(ground, fs::path(go).lexically_relative(ground.path("")).string(), 0) == 255);
+  CHECK(value_of(ground, fs::path(go).lexically_relative(ground.path("")).string(), 30) < 4);
+}
+
+TEST_CASE("an elevation model around the globe is cut by the command that its refusal names") {
+  const Ground ground;
+  ground.gdal("gdal_translate -q -a_srs EPSG:4326 -a_ullr -150 60 30 -40 -outsize 18000 10000 -co COMPRESS=DEFLATE",
+              "ok.tif", "wide.tif");
+  std::string command = advice(ground.refused("wide.tif"), "gdalwarp -te");
+  for (const auto& [edge, degrees] : {std::pair("<west>", "-121"), std::pair("<south>", "39"),
+                                      std::pair("<east>", "-120"), std::pair("<north>", "40")})
+    command = filled(command, edge, degrees);
+  ground.follow(command);
+  ground.made("cut.tif");
+}
+
+TEST_CASE("tiles in two systems are brought to one by the command that the refusal names") {
+  const Ground ground;
+  ground.gdal("gdal_translate -q -srcwin 0 0 12 40", "ok.tif", "left.tif");
+  ground.gdal("gdal_translate -q -srcwin 12 0 12 40", "ok.tif", "right_there.tif");
+  ground.gdal("gdalwarp -q -r bilinear -t_srs EPSG:32611", "right_there.tif", "right.tif");
+  const auto map_of = [&](const std::string& right) {
+    Json region = Json::read(ground.path("region.json"));
+    Json raster;
+    for (const auto& [key, value] : region.at("rasters").items().front().members())
+      if (key != "file") raster[key] = value;
+    raster["files"] = Json::Array{Json("left.tif"), Json(right)};
+    region["rasters"] = Json::Array{raster};
+    write_file_atomically(ground.path(right + ".json"), region.dump());
+    return run_gonogo(
+        {"map", "--model", "hmmwv", "--region", ground.path(right + ".json"), "--out", ground.path(right + " map")});
+  };
+  const Ending apart = map_of("right.tif");
+  check_refusal(apart, 2, {"right.tif", "tiles of one raster must share it"});
+  ground.follow(advice(apart.err, "gdalwarp"));
+  const Ending together = map_of("tile.tif");
+  INFO(together.err);
+  CHECK(together.exit_code == 0);
 }
 
 TEST_CASE("a raster without a system gets one, and the second of two bands is taken out, as sentences say") {

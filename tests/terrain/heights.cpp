@@ -281,7 +281,7 @@ TEST_CASE("of two bands the first is read and said, and a transparency that nobo
   CHECK(contains(remark, R"(has two bands; the first, "points", is taken for heights, "elevation" is not read)"));
   CHECK(contains(remark, "gdal_translate -b 2 "));
   with_second(GDT_Float32, GCI_AlphaBand);
-  CHECK(contains(input_error([&] { open(folder / "dem.tif"); }), "gdalwarp -srcalpha -dstnodata -9999 "));
+  CHECK(contains(input_error([&] { open(folder / "dem.tif"); }), "gdal_translate -b 1 -mask 2 "));
   with_second(GDT_UInt16, GCI_AlphaBand);
   CHECK(holes_in(all_of(open(folder / "dem.tif"))) == 24);
 }

@@ -247,11 +247,11 @@ std::string checks_text(const std::vector<Criterion>& checks) {
 std::string evaluation_text(const Evaluation& evaluation) {
   return line(
              "%zu trials that the model has not seen (%zu failed and %zu trained on are left out); log loss over all "
-             "outcomes ",
-             evaluation.trials, evaluation.unknown, evaluation.trained_on) +
-         Json(evaluation.outcome_log_loss).dump() + " nat\n" + scores_text(evaluation.scores) +
-         missing_text(evaluation.missing) + reconstruction_text(*evaluation.reconstruction) +
-         joint_text(evaluation.joint) + checks_text(evaluation.checks);
+             "outcomes %.4f nat\n",
+             evaluation.trials, evaluation.unknown, evaluation.trained_on, evaluation.outcome_log_loss) +
+         scores_text(evaluation.scores) + missing_text(evaluation.missing) +
+         reconstruction_text(*evaluation.reconstruction) + joint_text(evaluation.joint) +
+         checks_text(evaluation.checks);
 }
 
 std::vector<std::filesystem::path> write_evaluation(const std::filesystem::path& folder, const Json& report,
