@@ -420,38 +420,34 @@ struct FoldRows {
   std::vector<std::size_t> training, held_out;
 };
 
-/// The results of all folds, of which `threads` are trained at a time (0: as many as there are cores). `beside` comes
-/// after the last.
+/// The results of all folds, of which `threads` are trained at a time (0: as many as there are cores).
 std::vector<FoldResult> trained_folds(const VisibleLayout& layout, const TrainingTable& table,
                                       const TrainingSettings& settings, const Sampler& sampler,
-                                      const std::vector<FoldRows>& rows, int threads,
-                                      const std::function<void(std::size_t)>& progress, const EpochHook& watch,
-                                      const FoldStore& store, const FoldTeaching& teaching,
-                                      const std::function<void()>& beside) {
+                                      const std::vector<FoldRows>& rows, int threads, const FoldCalls& calls) {
   std::vector<FoldResult> result(rows.size());
-  std::mutex one_at_a_time;  // of the caller's functions
+  std::mutex one_at_a_time;
   std::size_t done = 0;
   const auto call = [&](const auto& function) {
     const std::lock_guard lock(one_at_a_time);
     return function();
   };
   const EpochHook look = [&](std::size_t epoch, const RbmWeights& weights) {
-    return call([&] { return !watch || watch(epoch, weights); });
+    return call([&] { return !calls.watch || calls.watch(epoch, weights); });
   };
   for_each_on_host(
-      rows.size() + (beside ? 1 : 0), 1,
+      rows.size() + (calls.beside ? 1 : 0), 1,
       [&](std::size_t f) {
-        if (f == rows.size()) return beside();
+        if (f == rows.size()) return calls.beside();
         if (rows[f].training.empty()) throw InputError("cross-validation: fewer groups of trials than folds");
-        std::optional<FoldResult> kept = call([&] { return store.find ? store.find(f) : std::nullopt; });
+        std::optional<FoldResult> kept = call([&] { return calls.store.find ? calls.store.find(f) : std::nullopt; });
         if (!kept) {
-          const auto taught = call([&] { return teaching ? teaching(f) : nullptr; });
+          const auto taught = call([&] { return calls.teaching ? calls.teaching(f) : nullptr; });
           kept = train_fold(layout, table, settings, sampler, rows[f].training, rows[f].held_out, look, taught.get());
-          if (store.keep) call([&] { store.keep(f, *kept); });
+          if (calls.store.keep) call([&] { calls.store.keep(f, *kept); });
         }
         result[f] = std::move(*kept);
         call([&] {
-          if (progress) progress(++done);
+          if (calls.progress) calls.progress(++done);
         });
       },
       threads);
@@ -478,9 +474,7 @@ void add_fold(const FoldResult& fold, const std::vector<std::size_t>& held_out, 
 
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
-                               const std::function<void(std::size_t)>& progress, const EpochHook& watch,
-                               const FoldStore& store, const FoldTeaching& teaching,
-                               const std::function<void()>& beside) {
+                               const FoldCalls& calls) {
   check_table(layout, table, settings);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
@@ -488,8 +482,7 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
   for (std::size_t n = 0; n < fold.size(); ++n)
     for (std::size_t f = 0; f < fold_count; ++f) (fold[n] == f ? rows[f].held_out : rows[f].training).push_back(n);
   const bool together = trains_by_words(layout, table, settings, sampler);
-  const std::vector<FoldResult> done =
-      trained_folds(layout, table, settings, sampler, rows, together ? 0 : 1, progress, watch, store, teaching, beside);
+  const std::vector<FoldResult> done = trained_folds(layout, table, settings, sampler, rows, together ? 0 : 1, calls);
   CrossValidation result;
   std::vector<std::vector<double>> probability;  // [report][row x outcome]
   for (std::size_t f = 0; f < fold_count; ++f)

@@ -105,8 +105,16 @@ struct FoldStore {
 /// The teaching of the machine that does not see a fold; it may be empty or give none.
 using FoldTeaching = std::function<std::shared_ptr<const Teaching>(std::size_t fold)>;
 
-/// k-fold cross-validation with early stopping. `watch` is called with every fold's machine at its report epochs.
-/// `beside` is run once, as if it trained one more fold.
+/// What a cross-validation calls, one function at a time except `beside`. Each may be empty.
+struct FoldCalls {
+  std::function<void(std::size_t folds_done)> progress{};
+  EpochHook watch{};  // with every fold's machine at its report epochs
+  FoldStore store{};
+  FoldTeaching teaching{};
+  std::function<void()> beside{};  // run once, as if it trained one more fold
+};
+
+/// k-fold cross-validation with early stopping.
 struct CrossValidation {
   std::size_t best_epoch = 0;       // epoch of the smallest held-out loss over all folds
   std::vector<EpochLog> log;        // one entry per report epoch, mean over folds
@@ -114,8 +122,6 @@ struct CrossValidation {
 };
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
-                               const std::function<void(std::size_t folds_done)>& progress = {},
-                               const EpochHook& watch = {}, const FoldStore& store = {},
-                               const FoldTeaching& teaching = {}, const std::function<void()>& beside = {});
+                               const FoldCalls& calls = {});
 
 }  // namespace gonogo::learning

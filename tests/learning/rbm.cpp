@@ -272,7 +272,7 @@ TEST_CASE("folds that an earlier run finished are not trained again, and the res
   std::map<std::size_t, FoldResult> kept;
   FoldStore store;
   store.keep = [&](std::size_t fold, const FoldResult& result) { kept[fold] = result; };
-  const CrossValidation whole = cross_validate(layout, table, settings, *sampler, 3, {}, {}, store);
+  const CrossValidation whole = cross_validate(layout, table, settings, *sampler, 3, {.store = store});
   REQUIRE(kept.size() == 3);
   kept.erase(1);
   std::vector<std::size_t> trained;
@@ -280,11 +280,26 @@ TEST_CASE("folds that an earlier run finished are not trained again, and the res
     return kept.count(fold) > 0 ? std::optional<FoldResult>(kept[fold]) : std::nullopt;
   };
   store.keep = [&](std::size_t fold, const FoldResult&) { trained.push_back(fold); };
-  const CrossValidation again = cross_validate(layout, table, settings, *sampler, 3, {}, {}, store);
+  const CrossValidation again = cross_validate(layout, table, settings, *sampler, 3, {.store = store});
   CHECK(trained == std::vector<std::size_t>{1});
   CHECK(again.probability == whole.probability);
   CHECK(again.best_epoch == whole.best_epoch);
   for (std::size_t r = 0; r < whole.log.size(); ++r) CHECK(again.log[r].training_loss == whole.log[r].training_loss);
+}
+
+TEST_CASE("work beside the folds is done once and leaves their bits alone; its error is that of the whole") {
+  const VisibleLayout layout = boundary_layout();
+  const TrainingTable table = boundary_table(60, 7);
+  const auto sampler = make_sampler("block_gibbs");
+  TrainingSettings settings;
+  settings.epochs = 20;
+  int done = 0;
+  const CrossValidation alone = cross_validate(layout, table, settings, *sampler, 3),
+                        beside = cross_validate(layout, table, settings, *sampler, 3, {.beside = [&] { ++done; }});
+  CHECK(done == 1);
+  CHECK(beside.probability == alone.probability);
+  CHECK_THROWS_WITH(
+      cross_validate(layout, table, settings, *sampler, 3, {.beside = [] { throw InputError("beside"); }}), "beside");
 }
 
 TEST_CASE("tables that do not fit are refused") {

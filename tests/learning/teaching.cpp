@@ -110,7 +110,7 @@ TEST_CASE("cross-validation teaches every fold by the teacher of that fold") {
   };
   const CrossValidation plain = cross_validate(layout, table, settings, *make_sampler("block_gibbs"), 3);
   const CrossValidation taught =
-      cross_validate(layout, table, settings, *make_sampler("block_gibbs"), 3, {}, {}, {}, teacher);
+      cross_validate(layout, table, settings, *make_sampler("block_gibbs"), 3, {.teaching = teacher});
   CHECK(asked == std::vector<std::size_t>{0, 1, 2});
   REQUIRE(plain.best_epoch == taught.best_epoch);
   const std::vector<std::size_t> fold = assign_folds(table, 3, settings.seed);

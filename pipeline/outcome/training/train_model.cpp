@@ -448,14 +448,16 @@ TrainingReport train_model(const TrainRequest& request) {
       taught_points(in.data.lower, in.data.upper, in.settings.taught_points, request.seed);
   Teachers teachers(in, fold, folds, points, kept);
   progress.teach(table.row_count(), [&] { teachers.fit_folds(); });
-  learning::CrossValidation validation = cross_validate(
-      model.layout, table, training, source.sampler(), folds,
-      [&](std::size_t done) {
-        progress.machine_done(done);
-        source.begin();
-      },
-      progress.watch(), fold_store(kept, progress, source), [&](std::size_t f) { return teachers.of(f); },
-      [&] { teachers.fit_last(); });
+  learning::CrossValidation validation = cross_validate(model.layout, table, training, source.sampler(), folds,
+                                                        {.progress =
+                                                             [&](std::size_t done) {
+                                                               progress.machine_done(done);
+                                                               source.begin();
+                                                             },
+                                                         .watch = progress.watch(),
+                                                         .store = fold_store(kept, progress, source),
+                                                         .teaching = [&](std::size_t f) { return teachers.of(f); },
+                                                         .beside = [&] { teachers.fit_last(); }});
   teachers.keep_last();
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
