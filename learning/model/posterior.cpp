@@ -246,14 +246,15 @@ void Posterior::prepare_products() {
     const double heaviest = *std::max_element(nodes.log_weight.begin(), nodes.log_weight.end());
     for (double& weight : nodes.log_weight) weight -= heaviest;
   }
-  if (outcome_count() > 0) products_ = OutcomeProducts(outcome_bias_, outcome_weight_);
+  if (outcome_count() == 0) return;
+  products_ = OutcomeProducts(outcome_bias_, outcome_weight_);
+  single_products_ = SingleProducts(outcome_bias_, outcome_weight_);
 }
 
-/// Whether every number of the sum stays in the range of double, by the extreme fields of every hidden unit.
-bool Posterior::products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const {
+Posterior::FieldRange Posterior::field_range(std::span<const double> field,
+                                             const std::vector<std::size_t>& unknown) const {
   const std::size_t hidden = field.size();
-  std::vector<double> lowest(field.begin(), field.end()), highest = lowest;
-  double lightest = 0;
+  FieldRange range{{field.begin(), field.end()}, {field.begin(), field.end()}};
   for (std::size_t j = 0; j < hidden; ++j) {
     double size = std::abs(field[j]);
     for (const std::size_t v : unknown) {
@@ -262,36 +263,48 @@ bool Posterior::products_fit(std::span<const double> field, const std::vector<st
         least = std::min(least, nodes_[v].field[bin * hidden + j]);
         most = std::max(most, nodes_[v].field[bin * hidden + j]);
       }
-      lowest[j] += least;
-      highest[j] += most;
+      range.lowest[j] += least;
+      range.highest[j] += most;
       size += std::max(std::abs(least), std::abs(most));
     }
-    if (!(size < kMaxLog)) return false;
+    range.size = std::max(range.size, size);
   }
-  for (const std::size_t v : unknown)
-    if (!has_prior_) lightest += *std::min_element(nodes_[v].log_weight.begin(), nodes_[v].log_weight.end());
-  return products_.fit(lowest, highest, kMaxLog + lightest);
+  return range;
 }
 
-Posterior::LaneBlocks Posterior::lane_blocks(const std::vector<std::size_t>& unknown) const {
+/// Whether every number of the sum stays in the range of double, by the extreme fields of every hidden unit.
+bool Posterior::products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const {
+  const FieldRange range = field_range(field, unknown);
+  if (!(range.size < kMaxLog)) return false;
+  double lightest = 0;
+  for (const std::size_t v : unknown)
+    if (!has_prior_) lightest += *std::min_element(nodes_[v].log_weight.begin(), nodes_[v].log_weight.end());
+  return products_.fit(range.lowest, range.highest, kMaxLog + lightest);
+}
+
+template <class Real, std::size_t kCount>
+Posterior::LaneBlocks<Real> Posterior::lane_blocks(const std::vector<std::size_t>& unknown) const {
   const std::size_t hidden = hidden_bias_.size();
   const std::vector<std::size_t> bins = bin_counts(unknown);
   const std::size_t terms =
       std::accumulate(bins.begin(), bins.end(), std::size_t(1), [](auto a, auto b) { return a * b; });
-  LaneBlocks blocks;
-  blocks.count = (terms + kLanes - 1) / kLanes;
-  blocks.inverse.assign(blocks.count * hidden * kLanes, 1.0);
-  blocks.weight.assign(blocks.count * kLanes, 0.0);
+  LaneBlocks<Real> blocks;
+  blocks.count = (terms + kCount - 1) / kCount;
+  blocks.inverse.assign(blocks.count * hidden * kCount, Real(1));
+  blocks.weight.assign(blocks.count * kCount, Real(0));
+  std::vector<double> inverse(hidden);
   for (std::size_t term = 0; term < terms; ++term) {
-    double* lane = blocks.inverse.data() + term / kLanes * hidden * kLanes + term % kLanes;
+    inverse.assign(hidden, 1.0);
     double log_weight = 0;
     for (std::size_t k = 0, rest = term; k < unknown.size(); rest /= bins[k++]) {
       const Nodes& nodes = nodes_[unknown[k]];
       log_weight += nodes.log_weight[rest % bins[k]];
       const double* of_bin = nodes.inverse.data() + rest % bins[k] * hidden;
-      for (std::size_t j = 0; j < hidden; ++j) lane[j * kLanes] *= of_bin[j];
+      for (std::size_t j = 0; j < hidden; ++j) inverse[j] *= of_bin[j];
     }
-    blocks.weight[term] = std::exp(log_weight);
+    Real* lane = blocks.inverse.data() + term / kCount * hidden * kCount + term % kCount;
+    for (std::size_t j = 0; j < hidden; ++j) lane[j * kCount] = Real(inverse[j]);
+    blocks.weight[term] = Real(std::exp(log_weight));
   }
   return blocks;
 }
@@ -301,19 +314,25 @@ Posterior::Summation Posterior::summation(const std::vector<std::size_t>& unknow
   for (const auto bins = bin_counts(unknown); depth > 0 && (terms == 1 || terms * bins[depth - 1] <= kMaxInner);)
     terms *= bins[--depth];
   const auto inside = unknown.begin() + std::ptrdiff_t(depth);
-  return {unknown, {unknown.begin(), inside}, lane_blocks({inside, unknown.end()})};
+  const std::vector<std::size_t> inner(inside, unknown.end());
+  Summation plan{unknown, {unknown.begin(), inside}, lane_blocks<double, kLanes>(inner), {}, {}, {}};
+  if (!has_prior_ || single_products_.error_bound() > kGridError) return plan;
+  const std::vector<double> nothing(hidden_bias_.size(), 0.0);
+  plan.unknown_range = field_range(nothing, unknown);
+  const FieldRange range = field_range(nothing, inner);
+  for (std::size_t j = 0; j < hidden_bias_.size(); ++j)
+    plan.part.push_back(std::max(std::abs(range.lowest[j]), std::abs(range.highest[j])));
+  plan.single = lane_blocks<float, SingleProducts::kLanes>(inner);
+  return plan;
 }
 
-std::vector<double> Posterior::outcome_products(std::span<const double> field, const Summation& plan) const {
+template <class Add>
+void Posterior::visit_outer(std::span<const double> field, const Summation& plan, Add&& add) const {
   const std::vector<std::size_t>& outer = plan.outer;
-  const LaneBlocks& inner = plan.inner;
-  const std::size_t depth = outer.size();
-  const std::size_t hidden = field.size();
+  const std::size_t depth = outer.size(), hidden = field.size();
   // Level k: what the known and the first k unknown variables give.
   std::vector<std::vector<double>> inverse(depth + 1, std::vector<double>(hidden));
   std::vector<double> log_weight(depth + 1, 0.0);
-  std::array<double, kLanes> weight;
-  OutcomeProducts::Sum sum(products_);
   for (std::size_t j = 0; j < hidden; ++j) inverse[0][j] = std::exp(-field[j]);
   for_each_combination(
       bin_counts(outer),
@@ -323,23 +342,60 @@ std::vector<double> Posterior::outcome_products(std::span<const double> field, c
         for (std::size_t j = 0; j < hidden; ++j) inverse[k + 1][j] = inverse[k][j] * of_bin[j];
         log_weight[k + 1] = log_weight[k] + nodes.log_weight[bin];
       },
-      [&] {
-        const double outer_weight = std::exp(log_weight[depth]);
-        for (std::size_t block = 0; block < inner.count; ++block) {
-          for (std::size_t l = 0; l < kLanes; ++l) weight[l] = outer_weight * inner.weight[block * kLanes + l];
-          products_.add(inverse[depth], std::span(inner.inverse).subspan(block * hidden * kLanes, hidden * kLanes),
-                        weight, has_prior_, sum);
-        }
-      });
+      [&] { add(inverse[depth], std::exp(log_weight[depth])); });
+}
+
+std::vector<double> Posterior::outcome_products(std::span<const double> field, const Summation& plan) const {
+  const LaneBlocks<double>& inner = plan.inner;
+  const std::size_t block_size = field.size() * kLanes;
+  std::array<double, kLanes> weight;
+  OutcomeProducts::Sum sum(products_);
+  visit_outer(field, plan, [&](std::span<const double> inverse, double outer_weight) {
+    for (std::size_t block = 0; block < inner.count; ++block) {
+      for (std::size_t l = 0; l < kLanes; ++l) weight[l] = outer_weight * inner.weight[block * kLanes + l];
+      products_.add(inverse, std::span(inner.inverse).subspan(block * block_size, block_size), weight, has_prior_, sum);
+    }
+  });
   std::vector<double> result(outcome_count(), 0.0);
   for (std::size_t i = 0; i < result.size() * kLanes; ++i) result[i / kLanes] += sum.weighted[i];
   return result;
 }
 
-std::optional<PosteriorAnswer> Posterior::sum_products(std::span<const double> field, const Summation& plan) const {
-  if (!products_fit(field, plan.unknown)) return std::nullopt;
+std::optional<std::vector<double>> Posterior::single_products(std::span<const double> field,
+                                                              const Summation& plan) const {
+  FieldRange range = plan.unknown_range;
+  for (std::size_t j = 0; j < field.size(); ++j) {
+    if (!(range.size + std::abs(field[j]) < kMaxLog)) return std::nullopt;
+    range.lowest[j] += field[j];
+    range.highest[j] += field[j];
+  }
+  const auto scaled = single_products_.scaled(range.lowest, range.highest, plan.part);
+  if (!scaled) return std::nullopt;
+  constexpr std::size_t kCount = SingleProducts::kLanes, kMost = SingleProducts::kMostBlocks;
+  const LaneBlocks<float>& inner = *plan.single;
+  const std::size_t hidden = field.size(), block_size = hidden * kCount;
+  std::vector<double> sum(single_products_.apart_count(), 0.0);
+  std::vector<float> common(hidden);
+  visit_outer(field, plan, [&](std::span<const double> inverse, double weight) {
+    for (std::size_t j = 0; j < hidden; ++j) common[j] = float(inverse[j] * scaled->over_middle[j]);
+    for (std::size_t first = 0; first < inner.count; first += kMost) {
+      const std::size_t blocks = std::min(kMost, inner.count - first);
+      single_products_.add(*scaled, common, std::span(inner.inverse).subspan(first * block_size, blocks * block_size),
+                           std::span(inner.weight).subspan(first * kCount, blocks * kCount), weight, sum);
+    }
+  });
+  const double total = std::accumulate(sum.begin(), sum.end(), 0.0);
+  if (single_products_.alike_error(sum) > total * kGridError / 10) return std::nullopt;
+  return single_products_.all_outcomes(sum);
+}
+
+std::optional<PosteriorAnswer> Posterior::sum_products(std::span<const double> field, const Summation& plan,
+                                                       Precision precision) const {
+  std::optional<std::vector<double>> sums;
+  if (precision == Precision::single && plan.single) sums = single_products(field, plan);
+  if (!sums && !products_fit(field, plan.unknown)) return std::nullopt;
   PosteriorAnswer answer;
-  answer.probability = outcome_products(field, plan);
+  answer.probability = sums ? std::move(*sums) : outcome_products(field, plan);
   const double total = std::accumulate(answer.probability.begin(), answer.probability.end(), 0.0);
   for (double& p : answer.probability) p /= total;
   answer.standard_error.assign(outcome_count(), 0.0);

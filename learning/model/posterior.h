@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "learning/encoding/layout.h"
-#include "learning/model/outcome_products.h"
+#include "learning/model/products/outcome_products.h"
+#include "learning/model/products/single_products.h"
 #include "learning/model/weights.h"
 
 namespace gonogo::learning {
@@ -104,14 +105,29 @@ class Posterior {
   PosteriorAnswer sum_logarithms(const std::vector<double>& field, const std::vector<std::size_t>& unknown) const;
   static constexpr std::size_t kLanes = OutcomeProducts::kLanes;
   void prepare_products();
+  /// Least and greatest field of every hidden unit over all combinations of the unknown variables.
+  struct FieldRange {
+    std::vector<double> lowest, highest;  // [hidden count]
+    double size = 0;                      // greatest sum of sizes of its parts
+  };
+  FieldRange field_range(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
+  template <class Real>
   struct LaneBlocks;  // posterior_parts.h
-  LaneBlocks lane_blocks(const std::vector<std::size_t>& unknown) const;
+  template <class Real, std::size_t kCount>
+  LaneBlocks<Real> lane_blocks(const std::vector<std::size_t>& unknown) const;
   /// How sum_products() goes through the combinations of the unknown variables: the same for all known values.
   struct Summation;  // posterior_parts.h
   Summation summation(const std::vector<std::size_t>& unknown) const;
+  /// add(inverse, weight) for every combination of the outer variables: exp(-field) with these set, and their weight.
+  template <class Add>
+  void visit_outer(std::span<const double> field, const Summation& plan, Add&& add) const;
   std::vector<double> outcome_products(std::span<const double> field, const Summation& plan) const;
-  std::optional<PosteriorAnswer> sum_products(std::span<const double> field, const Summation& plan) const;
+  /// The same in single precision; nothing where that has not the range.
+  std::optional<std::vector<double>> single_products(std::span<const double> field, const Summation& plan) const;
+  enum class Precision { full, single };  // single: where it is near enough for kGridError
+  std::optional<PosteriorAnswer> sum_products(std::span<const double> field, const Summation& plan,
+                                              Precision precision = Precision::full) const;
   void known_on_grid(std::span<const double> field, const VariableGrid& grid, std::span<double> result) const;
   std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
@@ -142,6 +158,7 @@ class Posterior {
   std::vector<double> outcome_factor_;  // exp(U)
   double largest_outcome_weight_ = 0;
   OutcomeProducts products_;
+  SingleProducts single_products_;
   bool has_prior_ = false;
 };
 

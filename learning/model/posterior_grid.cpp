@@ -4,9 +4,14 @@
 // and one of the column. So the whole grid takes rows + columns exponentials instead of rows x columns.
 //
 // Where variables are unknown, a node is a sum over thousands of combinations. Fields are linear in both variables
-// between the middles of their bins, so that P(outcome) is analytic there. It is interpolated by polynomials through
-// Chebyshev-Lobatto nodes of each patch between middles. Degrees double until the last Chebyshev coefficients fall
-// below kGridError; a patch with fewer nodes of the grid than that would take is summed node by node.
+// between the middles of their bins, so that P(outcome) is analytic there. On each patch between middles it is
+// interpolated by a polynomial
+//
+//   sum over (i, j) of w_ij h_i(s) h_j(t)      s, t in [0, 1]
+//
+// in the terms of leja.h. A term is nowhere larger than its surplus w_ij, and takes the value at one more node. Terms
+// are added where they may matter by those before them (GridPatch::expected()), until the rest is below kGridError. A
+// patch with fewer nodes of the grid than that would take is summed node by node.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,55 +19,22 @@
 
 #include "base/error.h"
 #include "base/parallel/host_loop.h"
-#include "base/units.h"
+#include "learning/model/leja.h"
 #include "learning/model/posterior.h"
 #include "learning/model/posterior_parts.h"
 
 namespace gonogo::learning {
 namespace {
 
-constexpr int kLeast = 4, kMost = 16;  // degrees of polynomials
-
-/// Place of the k-th of the n + 1 Chebyshev-Lobatto nodes in [0, 1], rising.
-double lobatto(int k, int n) { return (1 - std::cos(kPi * k / n)) / 2; }
-
-/// Weights of the values at the n + 1 nodes for the value at t in [0, 1]: barycentric interpolation (Berrut &
-/// Trefethen 2004, eq. 5.4).
-std::vector<double> interpolation_weights(double t, int n) {
-  std::vector<double> weight(std::size_t(n) + 1, 0.0);
-  double sum = 0;
-  for (int k = 0; k <= n; ++k) {
-    const double distance = t - lobatto(k, n);
-    if (distance == 0) {
-      std::fill(weight.begin(), weight.end(), 0.0);
-      weight[std::size_t(k)] = 1;
-      return weight;
-    }
-    weight[std::size_t(k)] = (k % 2 ? -1 : 1) * (k == 0 || k == n ? 0.5 : 1) / distance;
-    sum += weight[std::size_t(k)];
-  }
-  for (double& w : weight) w /= sum;
-  return weight;
-}
-
-/// The larger size of the last two Chebyshev coefficients of the polynomial through values at the n + 1 nodes.
-double tail(std::span<const double> value) {
-  const int n = int(value.size()) - 1;
-  double most = 0;
-  for (int m = n - 1; m <= n; ++m) {
-    double sum = 0;
-    for (int k = 0; k <= n; ++k)
-      sum += (k == 0 || k == n ? 0.5 : 1) * value[std::size_t(k)] * std::cos(kPi * m * k / n);
-    most = std::max(most, std::abs(sum) * (m == n ? 1.0 : 2.0) / n);
-  }
-  return most;
-}
-
 /// The values of one variable that lie between the same two middles of its bins, or at one middle.
 struct Piece {
-  int first = 0;                    // node of its start, kMost nodes to a piece
-  bool is_point = false;            // all values lie at the start
-  std::vector<std::size_t> values;  // places in the grid
+  static constexpr int kNodes = kLejaCount - 1;  // of a piece without its end, which is the next one's start
+  int first = 0;                                 // node of its start, kNodes to a piece
+  bool is_point = false;                         // all values lie at the start
+  std::vector<std::size_t> values;               // places in the grid
+
+  /// Number of the node at a Leja point of the piece.
+  int node(int k) const { return first + (k == 0 ? 0 : k == 1 ? kNodes : k - 1); }
 };
 
 /// One variable of a grid.
@@ -75,7 +47,7 @@ class GridAxis {
       const double share =
           middles.size() < 2 ? 0 : std::clamp((values[i] - middle(left)) / (middle(left + 1) - middle(left)), 0.0, 1.0);
       share_.push_back(share);
-      Piece& piece = pieces.try_emplace(left, Piece{left * kMost, true, {}}).first->second;
+      Piece& piece = pieces.try_emplace(left, Piece{left * Piece::kNodes, true, {}}).first->second;
       piece.is_point = piece.is_point && share == 0;
       piece.values.push_back(i);
     }
@@ -83,16 +55,17 @@ class GridAxis {
   }
 
   const std::vector<Piece>& pieces() const { return pieces_; }
-  int node_count() const { return int(middles_.size() - 1) * kMost + 1; }
+  int node_count() const { return int(middles_.size() - 1) * Piece::kNodes + 1; }
   /// The variable at a node.
   double at(int node) const {
-    const int left = std::min(node / kMost, std::max(0, int(middles_.size()) - 2));
-    if (node == left * kMost) return middle(left);
-    return middle(left) + lobatto(node - left * kMost, kMost) * (middle(left + 1) - middle(left));
+    const int left = node / Piece::kNodes, k = node % Piece::kNodes;
+    return k == 0 ? middle(left) : middle(left) + leja_point(k + 1) * (middle(left + 1) - middle(left));
   }
-  /// Weights of the nodes of a piece for the value at place i.
-  std::vector<double> weights(std::size_t i, int degree) const {
-    return degree == 0 ? std::vector<double>{1.0} : interpolation_weights(share_[i], degree);
+  /// The first `count` terms at the value at place i.
+  std::vector<double> terms(std::size_t i, int count) const {
+    std::vector<double> terms(std::size_t(count), 0.0);
+    leja_terms(share_[i], terms);
+    return terms;
   }
 
  private:
@@ -108,106 +81,161 @@ class GridAxis {
   std::vector<Piece> pieces_;
 };
 
-/// A piece of one axis by a piece of the other.
-struct Patch {
-  const Piece *first, *second;
-  int first_degree, second_degree;  // 0 at a point
-  bool summed = false;              // node by node of the grid
-
-  std::size_t grid_nodes() const { return first->values.size() * second->values.size(); }
-  static int node(const Piece& piece, int degree, int k) {
-    return piece.first + (degree == 0 ? 0 : k * (kMost / degree));
-  }
+/// A term of a patch's polynomial.
+struct GridTerm {
+  int i = 0, j = 0;
 };
 
-/// Interpolates `sum(x, y)`, the probabilities at values of both variables.
-template <class Sum>
+/// A piece of one axis by a piece of the other, with its polynomial.
+class GridPatch {
+ public:
+  GridPatch(const Piece& first, const Piece& second, std::size_t outcomes)
+      : first_(&first), second_(&second), outcomes_(outcomes) {
+    for (auto& row : size_) row.fill(kNone);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3 && i + j < 4; ++j)
+        if (is_term(i, j)) wanted_.push_back({i, j});
+    summed_ = wanted_.size() >= grid_nodes();
+  }
+
+  const Piece& first() const { return *first_; }
+  const Piece& second() const { return *second_; }
+  std::size_t grid_nodes() const { return first_->values.size() * second_->values.size(); }
+  /// Whether it is summed node by node of the grid.
+  bool is_summed() const { return summed_; }
+  /// Terms whose nodes are to be computed next; none: the polynomial is fine enough.
+  const std::vector<GridTerm>& wanted() const { return wanted_; }
+  int first_terms() const { return 1 + most(&GridTerm::i); }
+  int second_terms() const { return 1 + most(&GridTerm::j); }
+
+  /// Adds the wanted terms. value(i, j): the function at a node [outcome]. Each needs those with smaller numbers.
+  template <class Value>
+  void add_wanted(const Value& value) {
+    for (const GridTerm& t : wanted_) {
+      const double* here = value(t.i, t.j);
+      std::vector<double> terms_i(std::size_t(t.i) + 1), terms_j(std::size_t(t.j) + 1), rest(here, here + outcomes_);
+      leja_terms(leja_point(t.i), terms_i);
+      leja_terms(leja_point(t.j), terms_j);
+      for (std::size_t k = 0; k < terms_.size(); ++k) {
+        if (terms_[k].i > t.i || terms_[k].j > t.j) continue;
+        const double factor = terms_i[std::size_t(terms_[k].i)] * terms_j[std::size_t(terms_[k].j)];
+        for (std::size_t o = 0; o < outcomes_; ++o) rest[o] -= factor * surplus_[k * outcomes_ + o];
+      }
+      terms_.push_back(t);
+      surplus_.insert(surplus_.end(), rest.begin(), rest.end());
+      double& size = size_[std::size_t(t.i)][std::size_t(t.j)] = 0;
+      for (const double w : rest) size = std::max(size, std::abs(w));
+    }
+    choose_next();
+  }
+
+  /// line[j][o]: the polynomial's coefficients in the second variable, where the first one has these terms.
+  void reduce(std::span<const double> terms_i, std::span<double> line) const {
+    std::fill(line.begin(), line.end(), 0.0);
+    for (std::size_t k = 0; k < terms_.size(); ++k)
+      for (std::size_t o = 0; o < outcomes_; ++o)
+        line[std::size_t(terms_[k].j) * outcomes_ + o] +=
+            terms_i[std::size_t(terms_[k].i)] * surplus_[k * outcomes_ + o];
+  }
+
+ private:
+  static constexpr double kNone = -1;                // no such term yet
+  static constexpr double kDecay = 0.5;              // of a term from the one before it
+  static constexpr double kLeft = 0.4 * kGridError;  // a term may be left out where it may be as large as this
+
+  bool is_term(int i, int j) const { return (i == 0 || !first_->is_point) && (j == 0 || !second_->is_point); }
+  double size(int i, int j) const { return size_[std::size_t(i)][std::size_t(j)]; }
+  int most(int GridTerm::*number) const {
+    int most = 0;
+    for (const GridTerm& t : terms_) most = std::max(most, t.*number);
+    return most;
+  }
+
+  /// What a term may be by the two before it in one direction. Two, because every other one of a function that is odd
+  /// about the middle vanishes.
+  static double next_of(double before, double before_that) { return kDecay * std::max(before, kDecay * before_that); }
+  /// What a term may be, by the direction in which more is to be expected.
+  double expected(int i, int j) const {
+    double most = 0;
+    if (i > 0) most = std::max(most, i == 1 ? size(0, j) : next_of(size(i - 1, j), i > 2 ? size(i - 2, j) : 0));
+    if (j > 0) most = std::max(most, j == 1 ? size(i, 0) : next_of(size(i, j - 1), j > 2 ? size(i, j - 2) : 0));
+    return most;
+  }
+
+  void choose_next() {
+    wanted_.clear();
+    bool is_full = false;
+    for (int i = 0; i <= kLejaCount; ++i)
+      for (int j = 0; j <= kLejaCount; ++j) {
+        if (!is_term(i, j) || size(i, j) != kNone) continue;
+        if ((i > 0 && size(i - 1, j) == kNone) || (j > 0 && size(i, j - 1) == kNone)) continue;
+        if (expected(i, j) <= kLeft) continue;
+        wanted_.push_back({i, j});
+        is_full = is_full || i == kLejaCount || j == kLejaCount;
+      }
+    summed_ = is_full || (!wanted_.empty() && terms_.size() + wanted_.size() >= grid_nodes());
+  }
+
+  const Piece *first_, *second_;
+  std::size_t outcomes_;
+  bool summed_ = false;
+  std::vector<GridTerm> wanted_, terms_;
+  std::vector<double> surplus_;                                          // [term][outcome]
+  std::array<std::array<double, kLejaCount + 1>, kLejaCount + 1> size_;  // [i][j] largest surplus, or kNone
+};
+
+/// Interpolates `near(x, y)`, the probabilities at values of both variables; `exact(x, y)` are the same where a patch
+/// is summed node by node.
+template <class Near, class Exact>
 class GridInterpolation {
  public:
   GridInterpolation(const GridAxis& first, const GridAxis& second, const VariableGrid& grid, std::size_t outcomes,
-                    const Sum& sum)
-      : first_(first), second_(second), grid_(grid), outcomes_(outcomes), sum_(sum) {
+                    const Near& near, const Exact& exact)
+      : first_(first), second_(second), grid_(grid), outcomes_(outcomes), near_(near), exact_(exact) {
     slot_.assign(std::size_t(first.node_count()) * std::size_t(second.node_count()), -1);
     for (const Piece& a : first.pieces())
-      for (const Piece& b : second.pieces()) {
-        Patch patch{&a, &b, a.is_point ? 0 : kLeast, b.is_point ? 0 : kLeast};
-        patch.summed = size_of(patch) >= patch.grid_nodes();
-        patches_.push_back(patch);
-      }
+      for (const Piece& b : second.pieces()) patches_.emplace_back(a, b, outcomes);
   }
 
   void operator()(std::span<double> result) {
-    std::vector<std::size_t> open;
-    for (std::size_t p = 0; p < patches_.size(); ++p)
-      if (!patches_[p].summed) open.push_back(p);
-    while (!open.empty()) {
+    for (;;) {
+      std::vector<std::size_t> open;
+      for (std::size_t p = 0; p < patches_.size(); ++p)
+        if (!patches_[p].is_summed() && !patches_[p].wanted().empty()) open.push_back(p);
+      if (open.empty()) break;
       compute_nodes(open);
-      std::vector<char> refined(open.size(), 0);
-      for_each_on_host(open.size(), 1, [&](std::size_t i) { refined[i] = char(refine(patches_[open[i]])); });
-      std::vector<std::size_t> next;
-      for (std::size_t i = 0; i < open.size(); ++i)
-        if (refined[i] && !patches_[open[i]].summed) next.push_back(open[i]);
-      open = std::move(next);
+      for_each_on_host(open.size(), 1, [&](std::size_t k) {
+        GridPatch& patch = patches_[open[k]];
+        patch.add_wanted([&](int i, int j) { return value_.data() + std::size_t(slot(patch, {i, j})) * outcomes_; });
+      });
     }
     sum_directly(result);
     for_each_on_host(patches_.size(), 1, [&](std::size_t p) {
-      if (!patches_[p].summed) interpolate(patches_[p], result);
+      if (!patches_[p].is_summed()) interpolate(patches_[p], result);
     });
   }
 
  private:
-  static std::size_t size_of(const Patch& p) {
-    return std::size_t(p.first_degree + 1) * std::size_t(p.second_degree + 1);
-  }
-  std::size_t place(int a, int b) const { return std::size_t(a) * std::size_t(second_.node_count()) + std::size_t(b); }
-  const double* value(const Patch& p, int i, int k) const {
-    const int a = Patch::node(*p.first, p.first_degree, i), b = Patch::node(*p.second, p.second_degree, k);
-    return value_.data() + std::size_t(slot_[place(a, b)]) * outcomes_;
+  int& slot(const GridPatch& p, GridTerm term) {
+    return slot_[std::size_t(p.first().node(term.i)) * std::size_t(second_.node_count()) +
+                 std::size_t(p.second().node(term.j))];
   }
 
   void compute_nodes(const std::vector<std::size_t>& open) {
     std::vector<std::pair<int, int>> missing;
-    for (const std::size_t index : open) {
-      const Patch& p = patches_[index];
-      for (int i = 0; i <= p.first_degree; ++i)
-        for (int k = 0; k <= p.second_degree; ++k) {
-          const int a = Patch::node(*p.first, p.first_degree, i), b = Patch::node(*p.second, p.second_degree, k);
-          int& slot = slot_[place(a, b)];
-          if (slot >= 0) continue;
-          slot = int(value_.size() / outcomes_ + missing.size());
-          missing.emplace_back(a, b);
-        }
-    }
+    for (const std::size_t index : open)
+      for (const GridTerm term : patches_[index].wanted()) {
+        int& at = slot(patches_[index], term);
+        if (at >= 0) continue;
+        at = int(value_.size() / outcomes_ + missing.size());
+        missing.emplace_back(patches_[index].first().node(term.i), patches_[index].second().node(term.j));
+      }
     const std::size_t before = value_.size();
     value_.resize(before + missing.size() * outcomes_);
     for_each_on_host(missing.size(), 1, [&](std::size_t i) {
-      sum_(first_.at(missing[i].first), second_.at(missing[i].second),
-           std::span(value_).subspan(before + i * outcomes_, outcomes_));
+      near_(first_.at(missing[i].first), second_.at(missing[i].second),
+            std::span(value_).subspan(before + i * outcomes_, outcomes_));
     });
-  }
-
-  /// Doubles the degrees in which the error is too large. Whether it did.
-  bool refine(Patch& p) const {
-    double along_first = 0, along_second = 0;
-    std::vector<double> line;
-    for (std::size_t o = 0; o < outcomes_; ++o) {
-      for (int k = 0; k <= p.second_degree && p.first_degree > 0; ++k) {
-        line.clear();
-        for (int i = 0; i <= p.first_degree; ++i) line.push_back(value(p, i, k)[o]);
-        along_first = std::max(along_first, tail(line));
-      }
-      for (int i = 0; i <= p.first_degree && p.second_degree > 0; ++i) {
-        line.clear();
-        for (int k = 0; k <= p.second_degree; ++k) line.push_back(value(p, i, k)[o]);
-        along_second = std::max(along_second, tail(line));
-      }
-    }
-    const bool first = along_first > kGridError, second = along_second > kGridError;
-    if (!first && !second) return false;
-    if (first) p.first_degree *= 2;
-    if (second) p.second_degree *= 2;
-    p.summed = p.first_degree > kMost || p.second_degree > kMost || size_of(p) >= p.grid_nodes();
-    return true;
   }
 
   std::span<double> answer(std::size_t a, std::size_t b, std::span<double> result) const {
@@ -216,32 +244,27 @@ class GridInterpolation {
 
   void sum_directly(std::span<double> result) const {
     std::vector<std::pair<std::size_t, std::size_t>> nodes;
-    for (const Patch& p : patches_)
-      for (const std::size_t a : p.first->values)
-        for (const std::size_t b : p.second->values)
-          if (p.summed) nodes.emplace_back(a, b);
+    for (const GridPatch& p : patches_)
+      for (const std::size_t a : p.first().values)
+        for (const std::size_t b : p.second().values)
+          if (p.is_summed()) nodes.emplace_back(a, b);
     for_each_on_host(nodes.size(), 1, [&](std::size_t i) {
       const auto [a, b] = nodes[i];
-      sum_(grid_.first_values[a], grid_.second_values[b], answer(a, b, result));
+      exact_(grid_.first_values[a], grid_.second_values[b], answer(a, b, result));
     });
   }
 
-  void interpolate(const Patch& p, std::span<double> result) const {
+  void interpolate(const GridPatch& p, std::span<double> result) const {
     std::vector<std::vector<double>> of_second;
-    for (const std::size_t b : p.second->values) of_second.push_back(second_.weights(b, p.second_degree));
-    std::vector<double> line(std::size_t(p.second_degree + 1) * outcomes_);
-    for (const std::size_t a : p.first->values) {
-      const std::vector<double> of_first = first_.weights(a, p.first_degree);
-      std::fill(line.begin(), line.end(), 0.0);
-      for (int k = 0; k <= p.second_degree; ++k)
-        for (int i = 0; i <= p.first_degree; ++i)
-          for (std::size_t o = 0; o < outcomes_; ++o)
-            line[std::size_t(k) * outcomes_ + o] += of_first[std::size_t(i)] * value(p, i, k)[o];
-      for (std::size_t n = 0; n < p.second->values.size(); ++n) {
-        const std::span<double> at = answer(a, p.second->values[n], result);
+    for (const std::size_t b : p.second().values) of_second.push_back(second_.terms(b, p.second_terms()));
+    std::vector<double> line(std::size_t(p.second_terms()) * outcomes_);
+    for (const std::size_t a : p.first().values) {
+      p.reduce(first_.terms(a, p.first_terms()), line);
+      for (std::size_t n = 0; n < p.second().values.size(); ++n) {
+        const std::span<double> at = answer(a, p.second().values[n], result);
         std::fill(at.begin(), at.end(), 0.0);
-        for (std::size_t k = 0; k < of_second[n].size(); ++k)
-          for (std::size_t o = 0; o < outcomes_; ++o) at[o] += of_second[n][k] * line[k * outcomes_ + o];
+        for (std::size_t j = 0; j < of_second[n].size(); ++j)
+          for (std::size_t o = 0; o < outcomes_; ++o) at[o] += of_second[n][j] * line[j * outcomes_ + o];
         double total = 0;
         for (double& x : at) total += x = std::max(0.0, x);
         for (double& x : at) x /= total;
@@ -252,8 +275,9 @@ class GridInterpolation {
   const GridAxis &first_, &second_;
   const VariableGrid& grid_;
   std::size_t outcomes_;
-  const Sum& sum_;
-  std::vector<Patch> patches_;
+  const Near& near_;
+  const Exact& exact_;
+  std::vector<GridPatch> patches_;
   std::vector<int> slot_;      // [node of first][node of second] in value_; -1: not computed
   std::vector<double> value_;  // [slot][outcome]
 };
@@ -334,11 +358,11 @@ void Posterior::on_grid(std::span<const double> variables, const VariableGrid& g
   if (unknown.empty()) return known_on_grid(field, grid, result);
   const bool exact = terms <= double(MarginalOptions().max_terms);
   const Summation plan = exact ? summation(unknown) : Summation{};
-  const auto sum = [&](double x, double y, std::span<double> answer) {
+  const auto sum = [&](double x, double y, Precision precision, std::span<double> answer) {
     std::vector<double> at = field;
     add_field(nodes_[grid.first], x, at);
     add_field(nodes_[grid.second], y, at);
-    std::optional<PosteriorAnswer> found = exact ? sum_products(at, plan) : std::nullopt;
+    std::optional<PosteriorAnswer> found = exact ? sum_products(at, plan, precision) : std::nullopt;
     if (!found && exact) found = sum_logarithms(at, unknown);
     if (!found) {
       std::vector<double> point(variables.begin(), variables.end());
@@ -348,10 +372,12 @@ void Posterior::on_grid(std::span<const double> variables, const VariableGrid& g
     }
     std::copy(found->probability.begin(), found->probability.end(), answer.begin());
   };
+  const auto near = [&](double x, double y, std::span<double> answer) { sum(x, y, Precision::single, answer); };
+  const auto full = [&](double x, double y, std::span<double> answer) { sum(x, y, Precision::full, answer); };
   GONOGO_ASSERT(nodes_[grid.first].smooth && nodes_[grid.second].smooth);
   const GridAxis first(nodes_[grid.first].middle, grid.first_values),
       second(nodes_[grid.second].middle, grid.second_values);
-  GridInterpolation interpolation(first, second, grid, outcome_count(), sum);
+  GridInterpolation interpolation(first, second, grid, outcome_count(), near, full);
   interpolation(result);
 }
 

@@ -19,16 +19,20 @@ struct Posterior::Question {
 /// e^kMaxLog times any number of terms is finite in double; e^-kMaxLog is not 0.
 inline constexpr double kMaxLog = 600;
 
-/// All combinations of bins of some variables, kLanes at a time. The last block is filled up with weight 0.
+/// All combinations of bins of some variables, several at a time. The last block is filled up with weight 0.
+template <class Real>
 struct Posterior::LaneBlocks {
-  std::size_t count = 0;        // blocks
-  std::vector<double> inverse;  // exp(-field) [block][hidden][lane]
-  std::vector<double> weight;   // [block][lane]
+  std::size_t count = 0;      // blocks
+  std::vector<Real> inverse;  // exp(-field) [block][hidden][lane]
+  std::vector<Real> weight;   // [block][lane]
 };
 
 struct Posterior::Summation {
   std::vector<std::size_t> unknown, outer;  // variables; `outer`: the first of them, which are outside the blocks
-  LaneBlocks inner;
+  LaneBlocks<double> inner;
+  std::optional<LaneBlocks<float>> single;  // the same in single precision, where that may do
+  FieldRange unknown_range;                 // of what all unknown variables give
+  std::vector<double> part;                 // largest size of the blocks' fields [hidden count]
 };
 
 /// Index k with probability[k]. u: uniform in [0, 1).

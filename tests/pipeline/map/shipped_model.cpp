@@ -6,11 +6,14 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/math/random.h"
+#include "learning/model/posterior.h"
 #include "learning/score/score.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/map/map_request.h"
 #include "pipeline/map/region/rules.h"
 #include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/answer/predictor.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -222,4 +225,41 @@ TEST_CASE("what a shipped model is not made for is refused in one sentence") {
   lighter["chassis"]["mass_kg"] = 1000.0;
   write_file_atomically(folder / "lighter.json", lighter.dump());
   CHECK(contains(refusal([&](MapFiles& f) { f.vehicle = folder / "lighter.json"; }), "\"chassis\" differs"));
+}
+
+TEST_CASE("slopes of shipped models are answered within the stated error of the sum at each slope") {
+  const std::size_t along = contract().variable_index("slope_along"),
+                    across = contract().variable_index("slope_across");
+  const std::size_t outcomes = contract().outcomes.size();
+  for (const char* name : {"hmmwv_32mm", "viper_32mm", "quarter_wheel_90mm"}) {
+    const auto predictor = outcome::Predictor::read(kSource + "/data/" + name + "/model.h5");
+    const learning::Model& model = predictor.model();
+    const auto steps = [&](std::size_t v) {
+      std::vector<double> slopes;
+      for (double s = std::ceil(model.sampled_lower[v]); s <= model.sampled_upper[v]; s += 0.5) slopes.push_back(s);
+      return slopes;
+    };
+    const std::vector<double> alongs = steps(along), acrosses = steps(across);
+    double most = 0;
+    for (std::uint64_t soil = 0; soil < 3; ++soil) {
+      std::vector<double> point(contract().variables.size(), NAN);
+      for (const char* variable : {"friction_angle", "cohesion"}) {
+        const std::size_t v = contract().variable_index(variable);
+        point[v] = model.sampled_lower[v] + random_unit(5, v, soil) * (model.sampled_upper[v] - model.sampled_lower[v]);
+      }
+      std::vector<double> answers(alongs.size() * acrosses.size() * outcomes);
+      predictor.on_slopes(point, alongs, acrosses, answers);
+      for (std::uint64_t k = 0; k < 200; ++k) {
+        const auto i = std::size_t(random_unit(6, soil, k) * double(alongs.size())),
+                   j = std::size_t(random_unit(7, soil, k) * double(acrosses.size()));
+        point[along] = alongs[i];
+        point[across] = acrosses[j];
+        const std::vector<double> expected = predictor.outcome_probabilities(point);
+        for (std::size_t y = 0; y < outcomes; ++y)
+          most = std::max(most, std::abs(answers[(i * acrosses.size() + j) * outcomes + y] - expected[y]));
+      }
+    }
+    std::printf("%s: largest difference %.1e\n", name, most);
+    CHECK(most < learning::kGridError);
+  }
 }

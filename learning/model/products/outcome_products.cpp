@@ -1,4 +1,4 @@
-#include "learning/model/outcome_products.h"
+#include "learning/model/products/outcome_products.h"
 
 #include <algorithm>
 #include <cmath>
