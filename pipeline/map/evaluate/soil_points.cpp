@@ -291,11 +291,33 @@ struct SoilPoints::SlopeSums {
   }
 };
 
+/// Where what every point answers at a pair of slopes is kept.
+class SoilPoints::EachAt {
+ public:
+  EachAt(std::vector<Each>* each, EachOf of, std::size_t along, std::size_t across)
+      : each_(each), stride_(of.stride), across_(across) {
+    GONOGO_ASSERT(of.stride == 1 || !of.members);
+    if (each) each->assign(kept(along) * kept(across), {});
+  }
+  /// Null where nothing is kept.
+  Each* operator()(std::size_t pair) const {
+    const std::size_t a = pair / across_, b = pair % across_;
+    return each_ && a % stride_ == 0 && b % stride_ == 0 ? &(*each_)[a / stride_ * kept(across_) + b / stride_]
+                                                         : nullptr;
+  }
+
+ private:
+  std::size_t kept(std::size_t slopes) const { return (slopes + stride_ - 1) / stride_; }
+
+  std::vector<Each>* each_;
+  std::size_t stride_, across_;
+};
+
 std::vector<Prospect> SoilPoints::on_slopes(const OutcomeModel& model, std::span<const double> along,
-                                            std::span<const double> across, std::vector<Each>* each) const {
+                                            std::span<const double> across, std::vector<Each>* each, EachOf of) const {
   const std::size_t pairs = along.size() * across.size(), outcomes = campaign::contract().outcomes.size();
   std::vector<Prospect> prospects(pairs, nothing_known());
-  if (each) each->assign(pairs, {});
+  const EachAt each_at(each, of, along.size(), across.size());
   if (inside_.count + bounded_.count == 0) return prospects;
   const bool has_task = campaign::has_task_values(all_.front());
   const auto ask = [&](std::span<const double> points, std::span<double> result) {
@@ -322,6 +344,7 @@ std::vector<Prospect> SoilPoints::on_slopes(const OutcomeModel& model, std::span
     std::vector<double> answers(points.size() / variables * pairs * outcomes);
     if (!points.empty()) ask(points, answers);
     for_each_on_host(pairs, 64, [&](std::size_t pair) {
+      Each* own = each_at(pair);
       std::size_t k = 0;
       for (std::size_t i = first; i < last; ++i) {
         double most = 1;
@@ -331,16 +354,16 @@ std::vector<Prospect> SoilPoints::on_slopes(const OutcomeModel& model, std::span
           std::vector<double>& mean = kind[i] == sampled ? sums[pair].sampled : sums[pair].bounded;
           const double count = double(kind[i] == sampled ? inside_.count : bounded_.count);
           for (std::size_t o = 0; o < outcomes; ++o) mean[o] += answer[o] / count;
-          if (each) (kind[i] == sampled ? (*each)[pair].sampled : (*each)[pair].most).push_back(most);
+          if (own) (kind[i] == sampled ? own->sampled : own->most).push_back(most);
         }
         sums[pair].add(alternative_[i], kind[i] == sampled, soft_.is_soft[i] != 0, most);
       }
     });
   }
-  if (each) add_members(model, along, across, *each);
+  if (each && of.members) add_members(model, along, across, *each);
   for (std::size_t pair = 0; pair < pairs; ++pair) {
     if (!is_asked(along[pair / across.size()], across[pair % across.size()])) {
-      if (each) (*each)[pair] = {};
+      if (Each* own = each_at(pair)) *own = {};
       continue;
     }
     prospects[pair] = prospect_of(sums[pair]);

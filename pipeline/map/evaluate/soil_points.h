@@ -39,6 +39,13 @@ std::optional<bool> is_fine_grained(const Region& region, const Soil& soil);
 
 /// Whether `value` lies in `sampled`, with a tolerance for ranges that were rounded in a file.
 bool contains(Range sampled, double value);
+
+/// Where the own answer of every point of a soil is asked for, and of whom.
+struct EachOf {
+  std::size_t stride = 1;  // at every k-th slope in both directions
+  bool members = true;     // the model's members, too; only with stride 1
+};
+
 /// What one soil may be, as equally likely points over the variables of the contract, and the model's mean answer.
 /// SoilPoints::at() is where P(go) of a cell is computed: the mean of the model over these points.
 /// Points outside the sampled box and points that are too soft count as not answered. Stronger soil is no harder to
@@ -61,9 +68,10 @@ class SoilPoints {
   /// Mean outcome probabilities over the sampled points at these slopes [deg]; Prospect::p_go() is P(go). For slopes
   /// outside the sampled box outside_share is 1, every probability 0, and `each` empty.
   Prospect at(const OutcomeModel& model, double slope_along, double slope_across) const;
-  /// The same at every pair of slopes, [along][across]; `each` in that order.
+  /// The same at every pair of slopes, [along][across]; `each` in that order, at every k-th slope.
   std::vector<Prospect> on_slopes(const OutcomeModel& model, std::span<const double> along,
-                                  std::span<const double> across, std::vector<Each>* each = nullptr) const;
+                                  std::span<const double> across, std::vector<Each>* each = nullptr,
+                                  EachOf of = {}) const;
   /// Whether at() asks the model at these slopes [deg].
   bool is_asked(double slope_along, double slope_across) const;
   /// Mean of the model's novelty over all points, sampled or not, straight uphill at slopes that rise [deg]. Of more
@@ -101,6 +109,7 @@ class SoilPoints {
     void add(const std::vector<double>& point, std::size_t index);
   };
   struct SlopeSums;  // soil_points.cpp
+  class EachAt;
   Prospect prospect_of(const SlopeSums& sums) const;
   /// Appends what the model's members answer at every pair of slopes.
   void add_members(const OutcomeModel& model, std::span<const double> along, std::span<const double> across,

@@ -33,7 +33,10 @@ HeadingTable::HeadingTable(const OutcomeModel& model, const MapRules& rules, con
   for (int i = 0; i < along_count_; ++i) alongs.push_back(double(first_along_ + i) / kHeadingSteps);
   for (int j = 0; j < across_count_; ++j) acrosses.push_back(double(first_across_ + j) / kHeadingSteps);
   if (points.sampled_count() + points.bounded_count() > 0) {
-    std::vector<Prospect> prospects = points.on_slopes(model, alongs, acrosses);
+    std::vector<SoilPoints::Each> each;
+    std::vector<Prospect> prospects =
+        points.on_slopes(model, alongs, acrosses, &each, {PassageTable::kStride, /*members=*/false});
+    take_passages(points, each);
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       nodes_[i].result = classify(prospects[i], rules);
       nodes_[i].p_go = float(prospects[i].p_go());
@@ -44,6 +47,20 @@ HeadingTable::HeadingTable(const OutcomeModel& model, const MapRules& rules, con
   for (int j = 0; j < across_count_ && along_count_ > 0; ++j)
     if (node(along_count_ - 1, j).result.verdict == campaign::Verdict::no_go)
       steeper_[std::size_t(j)].result = node(along_count_ - 1, j).result;
+}
+
+void HeadingTable::take_passages(const SoilPoints& points, const std::vector<SoilPoints::Each>& each) {
+  const auto nodes = [](int count) { return (std::size_t(count) + PassageTable::kStride - 1) / PassageTable::kStride; };
+  passage_.along = nodes(along_count_);
+  passage_.across = nodes(across_count_);
+  const std::size_t count = points.sampled_count(),
+                    skip =
+                        std::max<std::size_t>(1, (count + PassageTable::kMostPoints - 1) / PassageTable::kMostPoints);
+  for (std::size_t k = 0; k < count && !each.empty(); k += skip) {
+    passage_.point.push_back(k);
+    for (const SoilPoints::Each& node : each)
+      passage_.p_go.push_back(node.sampled.empty() ? kNoData : float(node.sampled[k]));
+  }
 }
 
 const HeadingAnswer& HeadingTable::at(BedSlopes slopes) const {

@@ -27,6 +27,15 @@ struct HeadingRange {
   float p_worst = 0, p_best = 0;  // P(go), over the sampled headings; NaN when there is none
   float sampled_share = 0;        // share of the headings whose slopes were sampled [0, 1]
 };
+/// P(go) of single points of a soil, for chances along a way.
+struct PassageTable {
+  static constexpr std::size_t kStride = 2 * kHeadingSteps;  // nodes of a HeadingTable, 2 degrees
+  static constexpr std::size_t kMostPoints = 16;
+  std::size_t along = 0, across = 0;  // nodes
+  std::vector<std::size_t> point;     // which of the sampled points
+  std::vector<float> p_go;            // [point][along][across]; NaN where the model is not asked
+};
+
 /// P(go) and class of one soil for every pair of slopes along and across the heading. The model is evaluated once for
 /// each pair; after that any heading of any cell is a look-up.
 class HeadingTable {
@@ -44,6 +53,8 @@ class HeadingTable {
   /// The reason of unknown is soft_soil if any heading has that reason.
   HeadingRange over_headings(double slope_deg) const;
 
+  const PassageTable& passage() const { return passage_; }
+
   /// Node (i, j) lies at slopes (first_along + i, first_across + j) / kHeadingSteps [deg]. Only sampled nodes exist.
   int first_along() const { return first_along_; }
   int first_across() const { return first_across_; }
@@ -59,7 +70,10 @@ class HeadingTable {
   }
 
  private:
+  void take_passages(const SoilPoints& points, const std::vector<SoilPoints::Each>& each);
+
   int first_along_ = 0, along_count_ = 0, first_across_ = 0, across_count_ = 0;
+  PassageTable passage_;
   std::vector<HeadingAnswer> nodes_;
   std::vector<HeadingAnswer> steeper_;  // [across_count_]
   HeadingAnswer outside_;

@@ -198,34 +198,17 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   return json;
 }
 
-/// Appends P(go) of at most 16 points of the soil at slopes 2 degrees apart, [point][along][across], and returns
-/// { stride, along, across, points: [point][variable] }. Variables without the slopes are in units of the sampled
-/// ranges.
+/// Appends P(go) of points of the soil at slopes some degrees apart, [point][along][across], and returns { stride,
+/// along, across, points: [point][variable] }. Variables without the slopes are in units of the sampled ranges.
 Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, int index, std::vector<Blob>& blobs) {
-  constexpr std::size_t most_points = 16;
-  constexpr int stride = 2 * kHeadingSteps;
-  const HeadingTable& headings = response.headings();
-  const SoilPoints& points = response.points();
-  const std::size_t count = points.sampled_count(),
-                    skip = std::max<std::size_t>(1, (count + most_points - 1) / most_points);
-  const int along = (headings.along_count() - 1) / stride + 1, across = (headings.across_count() - 1) / stride + 1;
-  const std::size_t nodes = std::size_t(along) * std::size_t(across), kept = (count + skip - 1) / skip;
-  OutcomeModel alone = model;
-  alone.members.clear();
-  Blob blob{"drive_" + std::to_string(index), 16, std::size_t(across), std::vector<std::uint16_t>(kept * nodes, kNone)};
-  std::vector<double> alongs, acrosses;
-  for (int i = 0; i < along; ++i) alongs.push_back(headings.slopes(stride * i, 0).along);
-  for (int j = 0; j < across; ++j) acrosses.push_back(headings.slopes(0, stride * j).across);
-  std::vector<SoilPoints::Each> each;
-  if (kept > 0) points.on_slopes(alone, alongs, acrosses, &each);
-  for (std::size_t node = 0; node < each.size(); ++node)
-    for (std::size_t k = 0; k < kept && !each[node].sampled.empty(); ++k)
-      blob.value[k * nodes + node] = stored(each[node].sampled[k * skip]);
-  if (kept > 0) blobs.push_back(std::move(blob));
+  const PassageTable& passage = response.headings().passage();
+  Blob blob{"drive_" + std::to_string(index), 16, passage.across, {}};
+  for (const float p : passage.p_go) blob.value.push_back(stored(p));
+  if (!passage.point.empty()) blobs.push_back(std::move(blob));
   Json rows = Json::array();
-  for (std::size_t k = 0; k < kept; ++k) {
+  for (const std::size_t k : passage.point) {
     Json row = Json::array();
-    const auto x = points.sampled().subspan(k * skip * model.sampled.size(), model.sampled.size());
+    const auto x = response.points().sampled().subspan(k * model.sampled.size(), model.sampled.size());
     for (std::size_t v = 0; v < x.size(); ++v) {
       if (campaign::contract().variables[v].name.rfind("slope", 0) == 0) continue;
       const double width = model.sampled[v].maximum - model.sampled[v].minimum;
@@ -233,7 +216,8 @@ Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, 
     }
     rows.push_back(row);
   }
-  return Json::Object{{"stride", stride}, {"along", along}, {"across", across}, {"points", rows}};
+  return Json::Object{
+      {"stride", PassageTable::kStride}, {"along", passage.along}, {"across", passage.across}, {"points", rows}};
 }
 
 /// Appends the tables as blobs whose names end with `index`. P(go) is in steps of 1/65534 (65535: none). The
