@@ -170,6 +170,8 @@ TractiveForce::TractiveForce(const Vehicle& v) {
   for (const GearSpeed& g : gear_speeds(v)) top = std::max(top, g.balanced);
   step_ = top / kTableSteps;
   for (int i = 0; i <= kTableSteps; ++i) force_.push_back(tractive_force(v, i * step_));
+  largest_ = force_;
+  for (std::size_t i = largest_.size() - 1; i > 0; --i) largest_[i - 1] = std::max(largest_[i - 1], largest_[i]);
 }
 
 double TractiveForce::at(double tread_speed) const {
@@ -179,10 +181,14 @@ double TractiveForce::at(double tread_speed) const {
   return force_[below] + (place - double(below)) * (force_[below + 1] - force_[below]);
 }
 
-double TractiveForce::balance(const std::function<double(double)>& needed) const {
+double TractiveForce::balance(const Need& needed, const Need& least) const {
   const auto spare = [&](double speed) { return at(speed) - needed(speed); };
-  std::size_t i = force_.size() - 1;
-  if (spare(double(i) * step_) >= 0) return top_speed();
+  if (spare(top_speed()) >= 0) return top_speed();
+  std::size_t enough = 0, i = force_.size() - 1;  // a step where a faster one might be enough, and one where none is
+  while (i - enough > 1) {
+    const std::size_t middle = (enough + i) / 2;
+    (largest_[middle] >= least(double(middle) * step_) ? enough : i) = middle;
+  }
   while (i > 0 && spare(double(i - 1) * step_) < 0) --i;
   if (i == 0) return 0;
   double low = double(i - 1) * step_, high = double(i) * step_;

@@ -68,12 +68,16 @@ class TractiveForce {
   double at(double tread_speed) const;
   /// Tread speed from which on the driveline pushes no more [m/s].
   double top_speed() const { return step_ * double(force_.size() - 1); }
-  /// Largest tread speed [m/s] at which the driveline gives `needed(tread speed)` [N]; 0 where it never does.
-  double balance(const std::function<double(double)>& needed) const;
+  using Need = std::function<double(double)>;  // [N] at a tread speed [m/s]
+  /// Largest tread speed [m/s] at which the driveline gives `needed`; 0 where it never does. `least`: no more than
+  /// `needed` at any speed, and nowhere falling; spares the search the speeds for which it is too much already.
+  double balance(
+      const Need& needed, const Need& least = [](double) { return 0.0; }) const;
 
  private:
-  double step_ = 0;            // [m/s]
-  std::vector<double> force_;  // [N]
+  double step_ = 0;              // [m/s]
+  std::vector<double> force_;    // [N]
+  std::vector<double> largest_;  // of force_ from here on [N]
 };
 
 }  // namespace gonogo::vehicle

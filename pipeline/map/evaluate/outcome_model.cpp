@@ -304,18 +304,23 @@ double SoilSpeed::at(BedSlopes slopes) const {
   const double load = (model_.mass + payload_) * model_.gravity / std::sqrt(1 + along * along + across * across);
   const double slip = std::clamp(slip_.at(slopes), 0.0, kMaxSlip), rut = model_.rut(sinkage_.at(slopes), load);
   const double sampled = (1 - slip) * model_.resistance.fastest;
-  const auto needed = [&](double tread_speed) {
+  const auto thrown = [&](double tread_speed) {
     const double speed = (1 - slip) * tread_speed;
-    const double thrown = std::max(0.0, speed * speed - sampled * sampled) * model_.rut_width * rut * kThrownDensity;
-    return load * (std::max(0.0, along) + model_.resistance.at(rut, slip, tread_speed)) + thrown;
+    return std::max(0.0, speed * speed - sampled * sampled) * model_.rut_width * rut * kThrownDensity;
   };
-  return std::clamp((1 - slip) * model_.drive.balance(needed), kMinSpeed, std::max(kMinSpeed, max_speed_));
+  const ResistanceFit& resistance = model_.resistance;
+  const double least = std::min(resistance.at(rut, slip, 0), resistance.at(rut, slip, resistance.fastest));
+  const double tread_speed = model_.drive.balance(
+      [&](double v) { return load * (std::max(0.0, along) + resistance.at(rut, slip, v)) + thrown(v); },
+      [&](double v) { return load * (std::max(0.0, along) + least) + thrown(v); });
+  return std::clamp((1 - slip) * tread_speed, kMinSpeed, std::max(kMinSpeed, max_speed_));
 }
 
 double p_go_of(std::span<const double> outcome) {
+  const auto& outcomes = campaign::contract().outcomes;
   double sum = 0;
   for (std::size_t o = 0; o < outcome.size(); ++o)
-    if (campaign::passes(campaign::contract().outcomes[o].verdict)) sum += outcome[o];
+    if (campaign::passes(outcomes[o].verdict)) sum += outcome[o];
   return sum;
 }
 

@@ -108,3 +108,19 @@ TEST_CASE("speeds obey the limit that was asked for") {
   CHECK(limited.at({0, 0}) == 20);
   CHECK(limited.at({35, 0}) < 20);
 }
+
+TEST_CASE("a bound on the force that is needed leaves the balance where it is") {
+  const vehicle::TractiveForce drive(vehicle::read_vehicle(kFile));
+  const double top = drive.top_speed(), strongest = drive.at(0.01 * top);
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    const double rest = strongest * random_unit(7, 0, k), steep = strongest * random_unit(7, 1, k);
+    const double falls = 0.5 * rest * random_unit(7, 2, k);  // by the speed at which it is constant again
+    const auto needed = [&](double v) {
+      return rest - falls * std::min(1.0, 4 * v / top) + steep * std::max(0.0, v / top - 0.25);
+    };
+    const auto least = [&](double v) { return rest - falls + steep * std::max(0.0, v / top - 0.25); };
+    const double balance = drive.balance(needed);
+    CHECK(drive.balance(needed, least) == balance);
+    if (balance > 0 && balance < top) CHECK(drive.at(balance) == Approx(needed(balance)).epsilon(1e-6));
+  }
+}
