@@ -47,15 +47,28 @@ std::vector<std::uint16_t> filtered(const Blob& blob, BlobFilter filter) {
   return out;
 }
 
+namespace {
+
+/// Pieces of the bytes at equal distances, by which filters are compared.
+std::string sample_of(const std::string& bytes) {
+  constexpr std::size_t pieces = 8, piece = 8192;
+  if (bytes.size() <= 2 * pieces * piece) return bytes;
+  std::string sample;
+  for (std::size_t k = 0; k < pieces; ++k) sample += bytes.substr(k * (bytes.size() - piece) / (pieces - 1), piece);
+  return sample;
+}
+
+}  // namespace
+
 std::string blob_element(const Blob& blob) {
   GONOGO_ASSERT(blob.bits == 8 || blob.bits == 16);
-  constexpr int fastest = 1, usual = 6;
+  constexpr int fastest = 1, usual = 4;  // 6 takes twice the time and makes pages 3 % smaller
   std::string best;
   std::size_t best_size = SIZE_MAX;
   BlobFilter best_filter = BlobFilter::none;
   for (const BlobFilter filter : {BlobFilter::none, BlobFilter::left, BlobFilter::plane, BlobFilter::mean}) {
     std::string bytes = planes(filtered(blob, filter), blob.bits);
-    const std::size_t size = deflated(bytes, fastest).size();
+    const std::size_t size = deflated(sample_of(bytes), fastest).size();
     if (size >= best_size) continue;
     best = std::move(bytes);
     best_size = size;

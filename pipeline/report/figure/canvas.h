@@ -1,6 +1,7 @@
 // Thin layer over cairo for the .cpp files of this folder: an image surface with text and boxes. Pixels, y downward.
 #pragma once
 #include <cairo.h>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -33,6 +34,7 @@ class Canvas {
 
   cairo_t* cairo() const { return cairo_; }
   int width() const { return width_; }
+  int height() const { return height_; }
 
   void set(Colour colour) const;
   void fill(Box box, Colour colour) const;
@@ -49,11 +51,13 @@ class Canvas {
   /// Words broken into lines that fit.
   std::vector<std::string> wrapped(const std::string& words, double size, double width) const;
 
+  /// Red, green and blue of every pixel, row by row from the top.
+  std::vector<std::uint8_t> pixels() const;
   /// Throws DeviceError.
   void write_png(const std::filesystem::path& path) const;
 
  private:
-  int width_;
+  int width_, height_;
   cairo_surface_t* surface_;
   cairo_t* cairo_;
 };

@@ -21,18 +21,12 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "tiles are written in this machine's order of bytes");
 
-constexpr int kLevel = 6;  // GDAL's default for DEFLATE
+// Of DEFLATE. GDAL's default, 6, takes twice the time of libdeflate and makes layers 1 % smaller.
+constexpr int kLevel = 4;
 
 struct FreeGdal {
   void operator()(void* memory) const { VSIFree(memory); }
 };
-
-std::string deflated(const std::vector<std::uint8_t>& bytes) {
-  std::size_t size = 0;
-  const std::unique_ptr<void, FreeGdal> packed(CPLZLibDeflate(bytes.data(), bytes.size(), kLevel, nullptr, 0, &size));
-  if (!packed) throw DeviceError("CPLZLibDeflate: a tile cannot be compressed, out of memory");
-  return {static_cast<const char*>(packed.get()), size};
-}
 
 void inflate(std::string_view bytes, std::vector<std::uint8_t>& out, const std::string& where) {
   std::size_t size = 0;
@@ -41,6 +35,13 @@ void inflate(std::string_view bytes, std::vector<std::uint8_t>& out, const std::
 }
 
 }  // namespace
+
+std::string deflated(const std::vector<std::uint8_t>& bytes) {
+  std::size_t size = 0;
+  const std::unique_ptr<void, FreeGdal> packed(CPLZLibDeflate(bytes.data(), bytes.size(), kLevel, nullptr, 0, &size));
+  if (!packed) throw DeviceError("CPLZLibDeflate: a tile cannot be compressed, out of memory");
+  return {static_cast<const char*>(packed.get()), size};
+}
 
 std::string encode_tile(const std::vector<std::uint8_t>& cells) {
   std::vector<std::uint8_t> bytes(cells.size());
