@@ -93,7 +93,8 @@ TEST_CASE("outcomes of nearly the same weights are told apart within the bound o
   for (const std::uint64_t seed : {1, 2, 3}) {
     Points x(1, seed);
     for (const std::size_t y : {2, 4, 5})
-      for (std::size_t j = 0; j < kHidden; ++j) x.weight[y * kHidden + j] = 0.001 * double(y) * x.weight[2 * kHidden + j];
+      for (std::size_t j = 0; j < kHidden; ++j)
+        x.weight[y * kHidden + j] = 0.001 * double(y) * x.weight[2 * kHidden + j];
     for (const std::size_t y : {2, 4, 5}) x.bias[y] -= 4;
     const SingleProducts products(x.bias, x.weight);
     CHECK(products.apart_count() == kOutcomes - 2);

@@ -17,7 +17,8 @@ TEST_CASE("libpng reads back every pixel of a picture of noise and of flat areas
     RgbPicture picture{columns, rows, {}};
     for (int i = 0; i < 3 * columns * rows; ++i) {
       const bool flat = i / 3 / columns % 20 < 10;
-      picture.value.push_back(flat ? std::uint8_t(17 * (i % 3)) : std::uint8_t(256 * random_unit(1, 2, std::uint64_t(i))));
+      picture.value.push_back(flat ? std::uint8_t(17 * (i % 3))
+                                   : std::uint8_t(256 * random_unit(1, 2, std::uint64_t(i))));
     }
     const auto file = folder / "picture.png";
     write_png(file, picture);

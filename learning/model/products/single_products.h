@@ -49,8 +49,8 @@ class SingleProducts {
   std::optional<Scaled> scaled(std::span<const double> lowest, std::span<const double> highest,
                                std::span<const double> part) const;
 
-  /// Adds weight times P(outcome) of blocks of kLanes points, kMostBlocks at most, to sum [apart_count()]. common: shared
-  /// part of exp(-f) over the middle value [hidden count]; inverse: the other one [block][hidden count][lane];
+  /// Adds weight times P(outcome) of blocks of kLanes points, kMostBlocks at most, to sum [apart_count()]. common:
+  /// shared part of exp(-f) over the middle value [hidden count]; inverse: the other one [block][hidden count][lane];
   /// weight: [block][lane]; scale: factor of all weights.
   void add(const Scaled& scaled, std::span<const float> common, std::span<const float> inverse,
            std::span<const float> weight, double scale, std::span<double> sum) const;
@@ -59,10 +59,10 @@ class SingleProducts {
   std::vector<std::size_t> stands_for_;  // [outcome] which of those told apart
   std::vector<double> share_;            // [outcome] of that one's P
   std::vector<double> delta_;            // [told apart] 0 of one that stands for itself alone
-  std::vector<float> base_;           // exp(d), the largest 1 [padded outcomes], 0 beyond the outcomes
-  std::vector<double> factor_;        // exp(U) [group of outcomes][hidden count][kOutcomesAtOnce], 0 beyond them
-  std::vector<double> least_, most_;  // least and largest U_yj over the outcomes [hidden count]
-  double bias_range_ = 0;             // largest minus least d
+  std::vector<float> base_;              // exp(d), the largest 1 [padded outcomes], 0 beyond the outcomes
+  std::vector<double> factor_;           // exp(U) [group of outcomes][hidden count][kOutcomesAtOnce], 0 beyond them
+  std::vector<double> least_, most_;     // least and largest U_yj over the outcomes [hidden count]
+  double bias_range_ = 0;                // largest minus least d
 };
 
 }  // namespace gonogo::learning

@@ -70,10 +70,10 @@ void write_png(const std::filesystem::path& path, const RgbPicture& picture) {
     bytes.insert(bytes.end(), (by_left ? left : up).begin(), (by_left ? left : up).end());
   }
   // Eight bits a sample, three samples, deflate, filters by row, not interlaced.
-  const std::string header = number(std::uint32_t(picture.columns)) + number(std::uint32_t(picture.rows)) +
-                             std::string{8, 2, 0, 0, 0};
-  write_file_atomically(path, "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", deflated(bytes)) +
-                                  chunk("IEND", ""));
+  const std::string header =
+      number(std::uint32_t(picture.columns)) + number(std::uint32_t(picture.rows)) + std::string{8, 2, 0, 0, 0};
+  write_file_atomically(
+      path, "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", deflated(bytes)) + chunk("IEND", ""));
 }
 
 }  // namespace gonogo::terrain
