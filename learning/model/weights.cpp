@@ -15,22 +15,6 @@ RbmWeights RbmWeights::zeros(std::size_t visible, std::size_t hidden) {
           .hidden_bias = std::vector<double>(hidden)};
 }
 
-double sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
-
-double softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
-
-double log_sum_exp(std::span<const double> terms) {
-  const double highest = *std::max_element(terms.begin(), terms.end());
-  double sum = 0;
-  for (double term : terms) sum += std::exp(term - highest);
-  return highest + std::log(sum);
-}
-
-void normalise_logs(std::span<double> log_weight) {
-  const double total = log_sum_exp(log_weight);
-  for (double& x : log_weight) x = std::exp(x - total);
-}
-
 double free_energy(const RbmWeights& weights, std::span<const double> v) {
   GONOGO_ASSERT(v.size() == weights.visible_count);
   std::vector<double> field = weights.hidden_bias;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "learning/model/products/logs.h"
 #include "learning/qubo/problem.h"
 
 namespace gonogo::learning {
@@ -17,15 +18,6 @@ struct RbmWeights {
   static RbmWeights zeros(std::size_t visible, std::size_t hidden);
   bool operator==(const RbmWeights&) const = default;
 };
-
-/// 1 / (1 + exp(-x)).
-double sigmoid(double x);
-/// log(1 + exp(x)) without overflow.
-double softplus(double x);
-/// log of a sum of exponentials, without overflow.
-double log_sum_exp(std::span<const double> terms);
-/// Turns logarithms of weights into probabilities that sum to 1.
-void normalise_logs(std::span<double> log_weight);
 
 /// F(v) = -a.v - sum_j log(1 + exp(b_j + (v' W)_j)), with P(v) = exp(-F(v)) / Z. v: [visible_count] in [0, 1].
 double free_energy(const RbmWeights& weights, std::span<const double> v);

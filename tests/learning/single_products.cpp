@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/math/random.h"
-#include "learning/model/weights.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "learning/model/weights.h"
+#include "learning/model/products/logs.h"
 
 namespace gonogo::learning {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "learning/model/weights.h"
+#include "learning/model/products/logs.h"
 
 namespace gonogo::learning {
 namespace {

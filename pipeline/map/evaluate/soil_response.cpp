@@ -16,6 +16,10 @@ constexpr double kRounding = 1e-6;  // steps; a range's end that went through a 
 int first_step(Range range) { return int(std::ceil(range.minimum * kHeadingSteps - kRounding)); }
 int last_step(Range range) { return int(std::floor(range.maximum * kHeadingSteps + kRounding)); }
 
+SlopeNode nearest_node(BedSlopes slopes) {
+  return {int(std::lround(slopes.along * kHeadingSteps)), int(std::lround(slopes.across * kHeadingSteps))};
+}
+
 bool is_below(campaign::Verdict a, campaign::Verdict b) { return int(a) > int(b); }  // no_go below slow_go below go
 
 }  // namespace
@@ -63,21 +67,22 @@ void HeadingTable::take_passages(const SoilPoints& points, const std::vector<Soi
   }
 }
 
-const HeadingAnswer& HeadingTable::at(BedSlopes slopes) const {
-  const int along = int(std::lround(slopes.along * kHeadingSteps)) - first_along_;
-  const int across = int(std::lround(slopes.across * kHeadingSteps)) - first_across_;
+const HeadingAnswer& HeadingTable::at(BedSlopes slopes) const { return at(nearest_node(slopes)); }
+
+const HeadingAnswer& HeadingTable::at(SlopeNode nearest) const {
+  const int along = nearest.along - first_along_, across = nearest.across - first_across_;
   if (along < 0 || across < 0 || across >= across_count_) return outside_;
   return along < along_count_ ? node(along, across) : steeper_[std::size_t(across)];
 }
 
 int HeadingTable::index_of(BedSlopes slopes) const {
-  const int along = int(std::lround(slopes.along * kHeadingSteps)) - first_along_;
-  const int across = int(std::lround(slopes.across * kHeadingSteps)) - first_across_;
+  const SlopeNode nearest = nearest_node(slopes);
+  const int along = nearest.along - first_along_, across = nearest.across - first_across_;
   if (along < 0 || along >= along_count_ || across < 0 || across >= across_count_) return -1;
   return along * across_count_ + across;
 }
 
-HeadingRange HeadingTable::over_headings(double slope_deg) const {
+HeadingRange HeadingTable::over_headings(std::span<const SlopeNode, kHeadings> nearest) const {
   HeadingRange range{.worst = {campaign::Verdict::go, campaign::Reason::none},
                      .best = {campaign::Verdict::no_go, campaign::Reason::none},
                      .p_worst = kNoData,
@@ -86,7 +91,7 @@ HeadingRange HeadingTable::over_headings(double slope_deg) const {
   bool any_unknown = false, any_soft = false;
   int sampled = 0;
   for (int h = 0; h < kHeadings; ++h) {
-    const HeadingAnswer& answer = at(bed_slopes(slope_deg, 2 * kPi * h / kHeadings));
+    const HeadingAnswer& answer = at(nearest[std::size_t(h)]);
     const campaign::Verdict verdict = answer.result.verdict;
     if (!std::isnan(answer.p_go)) {
       ++sampled;
@@ -122,6 +127,23 @@ constexpr std::array<double, 9> kNormalParts = {-1.59322, -0.967422, -0.589456, 
 double quantile(const std::vector<double>& sorted, double share) {
   const auto rank = std::size_t(share * double(sorted.size()));
   return sorted[std::min(rank, sorted.size() - 1)];
+}
+
+}  // namespace
+
+namespace {
+
+/// Nodes of all headings at every step of the slope: the same for all soils.
+const std::vector<std::array<SlopeNode, kHeadings>>& nodes_over_headings() {
+  static const std::vector<std::array<SlopeNode, kHeadings>> nodes = [] {
+    std::vector<std::array<SlopeNode, kHeadings>> result(kLastStep + 1);
+    for_each_on_host(result.size(), 64, [&](std::size_t i) {
+      for (int h = 0; h < kHeadings; ++h)
+        result[i][std::size_t(h)] = nearest_node(bed_slopes(double(i) / kSlopeSteps, 2 * kPi * h / kHeadings));
+    });
+    return result;
+  }();
+  return nodes;
 }
 
 }  // namespace
@@ -164,8 +186,9 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
     for (double& slope : slopes) slope = std::min(slope, 89.9);
     novelty = points_.novelty_uphill(model, slopes);
   }
+  const auto& nodes = nodes_over_headings();
   for_each_on_host(table_.size(), 64, [&](std::size_t i) {
-    table_[i].headings = headings_.over_headings(double(i) / kSlopeSteps);
+    table_[i].headings = headings_.over_headings(nodes[i]);
     table_[i].novelty = novelty.empty() ? kNoData : float(novelty[i]);
   });
 }

@@ -2,6 +2,7 @@
 // more than reading and writing its rasters.
 #pragma once
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ namespace gonogo::map {
 /// Slopes along and across are rounded to 1/2 degree. P(go) of a heading is the model's value at the rounded slopes.
 /// Independent elevation errors of 0.2 m at 10 m cells change the slope by as much.
 inline constexpr int kHeadingSteps = 2;  // per degree
+
+/// Slopes in steps of 1 / kHeadingSteps degrees.
+struct SlopeNode {
+  int along = 0, across = 0;
+};
 
 struct HeadingAnswer {
   CellClass result;
@@ -46,12 +52,13 @@ class HeadingTable {
   /// The answer at the node nearest to `slopes`. Outside the sampled box the answer is unknown, with one exception:
   /// steeper uphill than sampled it is no_go if the steepest sampled node at the same slope across is no_go.
   const HeadingAnswer& at(BedSlopes slopes) const;
+  const HeadingAnswer& at(SlopeNode nearest) const;
 
-  /// Worst and best of kHeadings headings on ground of this slope.
+  /// Worst and best of kHeadings headings on ground of one slope, by the nodes nearest to the slopes of each.
   /// worst: no_go if any heading is no_go; else unknown if any is unknown; else the lowest class.
   /// best: go if any heading is go; else slow_go if any is; else unknown if any is; else no_go.
   /// The reason of unknown is soft_soil if any heading has that reason.
-  HeadingRange over_headings(double slope_deg) const;
+  HeadingRange over_headings(std::span<const SlopeNode, kHeadings> nearest) const;
 
   const PassageTable& passage() const { return passage_; }
 
