@@ -120,7 +120,7 @@ bool read_until(int fd, Clock::time_point end, std::string& bytes) {
   std::string part(std::size_t(1) << 16, '\0');
   for (;;) {
     stop_if_cancelled();
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
     if (left.count() <= 0) return false;
     pollfd one{fd, POLLIN, 0};
     const int ready = ::poll(&one, 1, int(std::min(left, glance).count()));
