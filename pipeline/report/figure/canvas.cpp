@@ -1,7 +1,6 @@
 #include "pipeline/report/figure/canvas.h"
 
 #include <cmath>
-#include <cstring>
 #include <sstream>
 
 #include "base/error.h"
@@ -27,7 +26,6 @@ Colour colour_from(const std::string& hex, double alpha) {
 
 Canvas::Canvas(int width, int height)
     : width_(width),
-      height_(height),
       surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)),
       cairo_(cairo_create(surface_)) {
   if (cairo_status(cairo_) != CAIRO_STATUS_SUCCESS)
@@ -111,21 +109,6 @@ std::vector<std::string> Canvas::wrapped(const std::string& words, double size, 
   }
   if (!line.empty()) lines.push_back(line);
   return lines;
-}
-
-std::vector<std::uint8_t> Canvas::pixels() const {
-  cairo_surface_flush(surface_);
-  const unsigned char* data = cairo_image_surface_get_data(surface_);
-  const std::size_t stride = std::size_t(cairo_image_surface_get_stride(surface_));
-  std::vector<std::uint8_t> result;
-  result.reserve(3 * std::size_t(width_) * std::size_t(height_));
-  for (int row = 0; row < height_; ++row)
-    for (int column = 0; column < width_; ++column) {
-      std::uint32_t pixel = 0;  // red in the third byte from below (CAIRO_FORMAT_RGB24)
-      std::memcpy(&pixel, data + std::size_t(row) * stride + 4 * std::size_t(column), sizeof pixel);
-      for (const int shift : {16, 8, 0}) result.push_back(std::uint8_t(pixel >> shift));
-    }
-  return result;
 }
 
 void Canvas::write_png(const std::filesystem::path& path) const {

@@ -1,7 +1,6 @@
 // Thin layer over cairo for the .cpp files of this folder: an image surface with text and boxes. Pixels, y downward.
 #pragma once
 #include <cairo.h>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -34,7 +33,6 @@ class Canvas {
 
   cairo_t* cairo() const { return cairo_; }
   int width() const { return width_; }
-  int height() const { return height_; }
 
   void set(Colour colour) const;
   void fill(Box box, Colour colour) const;
@@ -51,13 +49,11 @@ class Canvas {
   /// Words broken into lines that fit.
   std::vector<std::string> wrapped(const std::string& words, double size, double width) const;
 
-  /// Red, green and blue of every pixel, row by row from the top.
-  std::vector<std::uint8_t> pixels() const;
   /// Throws DeviceError.
   void write_png(const std::filesystem::path& path) const;
 
  private:
-  int width_, height_;
+  int width_;
   cairo_surface_t* surface_;
   cairo_t* cairo_;
 };

@@ -9,7 +9,6 @@
 #include "base/format.h"
 #include "base/units.h"
 #include "pipeline/report/figure/canvas.h"
-#include "terrain/raster/layer/png.h"
 
 namespace gonogo::report {
 namespace {
@@ -421,7 +420,7 @@ void draw_map_figure(const std::filesystem::path& path, const MapFigure& figure)
   canvas.text(800, lower_top + 34, "P(go) over slope, by soil and its share of the area", 30, Align::left, true);
   draw_curves(canvas, {760, lower_top + 50, kFigureWidth - kFigureMargin - 760, lower_height - 50}, figure);
   draw_notes(canvas, kFigureMargin, lower_top + lower_height + 20, notes);
-  terrain::write_png(path, {canvas.width(), canvas.height(), canvas.pixels()});
+  canvas.write_png(path);
 }
 
 void draw_comparison_figure(const std::filesystem::path& path, const ComparisonFigure& figure) {
@@ -451,7 +450,7 @@ void draw_comparison_figure(const std::filesystem::path& path, const ComparisonF
   canvas.text(kFigureMargin, lower_top + 34, "Which map passes, share of the area", 30, Align::left, true);
   draw_legend(canvas, {kFigureMargin, lower_top + 66, 1500, 0}, figure.changes, 30, figure.area_km2);
   draw_notes(canvas, kFigureMargin, lower_top + legend_height + 50, notes);
-  terrain::write_png(path, {canvas.width(), canvas.height(), canvas.pixels()});
+  canvas.write_png(path);
 }
 
 }  // namespace gonogo::report

@@ -28,6 +28,13 @@ struct FreeGdal {
   void operator()(void* memory) const { VSIFree(memory); }
 };
 
+std::string deflated(const std::vector<std::uint8_t>& bytes) {
+  std::size_t size = 0;
+  const std::unique_ptr<void, FreeGdal> packed(CPLZLibDeflate(bytes.data(), bytes.size(), kLevel, nullptr, 0, &size));
+  if (!packed) throw DeviceError("CPLZLibDeflate: a tile cannot be compressed, out of memory");
+  return {static_cast<const char*>(packed.get()), size};
+}
+
 void inflate(std::string_view bytes, std::vector<std::uint8_t>& out, const std::string& where) {
   std::size_t size = 0;
   if (!CPLZLibInflate(bytes.data(), bytes.size(), out.data(), out.size(), &size) || size != out.size())
@@ -35,13 +42,6 @@ void inflate(std::string_view bytes, std::vector<std::uint8_t>& out, const std::
 }
 
 }  // namespace
-
-std::string deflated(const std::vector<std::uint8_t>& bytes) {
-  std::size_t size = 0;
-  const std::unique_ptr<void, FreeGdal> packed(CPLZLibDeflate(bytes.data(), bytes.size(), kLevel, nullptr, 0, &size));
-  if (!packed) throw DeviceError("CPLZLibDeflate: a tile cannot be compressed, out of memory");
-  return {static_cast<const char*>(packed.get()), size};
-}
 
 std::string encode_tile(const std::vector<std::uint8_t>& cells) {
   std::vector<std::uint8_t> bytes(cells.size());

@@ -14,11 +14,8 @@
 
 namespace gonogo::terrain {
 
-/// Bytes as zlib packs them, by GDAL's own routine. Throws DeviceError where memory is short.
-std::string deflated(const std::vector<std::uint8_t>& bytes);
-
 /// Encodes a tile: predictor of TIFF 6.0 section 14 (bytes) or of Adobe's TIFF Technical Note 3 (floats), then
-/// deflated(). `cells`: kTileArea values, row by row. Edge tiles are padded with nodata.
+/// DEFLATE by GDAL's own routine. `cells`: kTileArea values, row by row. Edge tiles are padded with nodata.
 std::string encode_tile(const std::vector<std::uint8_t>& cells);
 std::string encode_tile(const std::vector<float>& cells);
 
