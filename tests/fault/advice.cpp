@@ -39,6 +39,11 @@ std::string filled(std::string command, const std::string& placeholder, const st
   return command.replace(at, placeholder.size(), value);
 }
 
+std::string filled(std::string command, const std::vector<std::pair<std::string, std::string>>& values) {
+  for (const auto& [placeholder, value] : values) command = filled(std::move(command), placeholder, value);
+  return command;
+}
+
 /// A ground of 24 x 40 cells in files of several kinds, and maps of them.
 class Ground {
  public:
@@ -139,9 +144,7 @@ TEST_CASE("commands for an elevation model that is not as it should be make one 
       fs::remove(ground.path(bad));
       fs::remove(ground.path(c.makes));
       ground.gdal(c.make, "ok.tif", bad);
-      std::string command = advice(ground.refused(bad), c.begin);
-      for (const auto& [placeholder, value] : c.fill) command = filled(command, placeholder, value);
-      ground.follow(command);
+      ground.follow(filled(advice(ground.refused(bad), c.begin), c.fill));
       ground.made(c.makes);
     }
 }
@@ -200,11 +203,8 @@ TEST_CASE("a raster that does not say where it lies is placed by the command tha
                         "<VRTDataset rasterXSize=\"24\" rasterYSize=\"40\"><SRS>EPSG:32610</SRS><VRTRasterBand "
                         "dataType=\"Float32\" band=\"1\"><SimpleSource><SourceFilename relativeToVRT=\"1\">ok.tif"
                         "</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>");
-  std::string command = advice(ground.refused("lost.vrt"), "gdal_translate -a_ullr");
-  for (const auto& [edge, metres] : {std::pair("<west>", "730000"), std::pair("<north>", "4368400"),
-                                     std::pair("<east>", "730240"), std::pair("<south>", "4368000")})
-    command = filled(command, edge, metres);
-  ground.follow(command);
+  ground.follow(filled(advice(ground.refused("lost.vrt"), "gdal_translate -a_ullr"),
+                       {{"<west>", "730000"}, {"<north>", "4368400"}, {"<east>", "730240"}, {"<south>", "4368000"}}));
   ground.made("placed.tif");
 }
 
@@ -223,11 +223,8 @@ TEST_CASE("an elevation model around the globe is cut by the command that its re
   const Ground ground;
   ground.gdal("gdal_translate -q -a_srs EPSG:4326 -a_ullr -150 60 30 -40 -outsize 18000 10000 -co COMPRESS=DEFLATE",
               "ok.tif", "wide.tif");
-  std::string command = advice(ground.refused("wide.tif"), "gdalwarp -te");
-  for (const auto& [edge, degrees] : {std::pair("<west>", "-121"), std::pair("<south>", "39"),
-                                      std::pair("<east>", "-120"), std::pair("<north>", "40")})
-    command = filled(command, edge, degrees);
-  ground.follow(command);
+  ground.follow(filled(advice(ground.refused("wide.tif"), "gdalwarp -te"),
+                       {{"<west>", "-121"}, {"<south>", "39"}, {"<east>", "-120"}, {"<north>", "40"}}));
   ground.made("cut.tif");
 }
 

@@ -64,10 +64,6 @@ Shares over_sum(const float* product, std::size_t outcomes, const Shares& share)
   return {share.left / left, share.right / right};
 }
 
-}  // namespace
-
-namespace {
-
 /// An outcome, or several whose weights are nearly the same.
 struct AlikeOutcomes {
   std::vector<std::size_t> outcome;

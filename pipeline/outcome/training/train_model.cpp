@@ -245,11 +245,9 @@ class Teachers {
   }
   /// Fits the last one if it was not kept. It may run beside other work of a training, and is kept by keep_last().
   void fit_last() {
-    if (!answers_[last()]) answers_[last()] = fitted_last_.emplace(ProcessAnswers{{}, taught(last())});
+    if (!answers_[last()]) answers_[last()] = ProcessAnswers{{}, taught(last())};
   }
-  void keep_last() const {
-    if (fitted_last_) kept_.keep_process(last(), *fitted_last_);
-  }
+  void keep_last() const { kept_.keep_process(last(), *answers_[last()]); }
 
   /// What a machine is taught; none without a weight.
   std::shared_ptr<const learning::Teaching> of(std::size_t machine) const {
@@ -292,7 +290,6 @@ class Teachers {
   const std::vector<double>& points_;  // that a teacher labels
   const KeptWork& kept_;
   std::vector<std::optional<ProcessAnswers>> answers_;  // [machine]
-  std::optional<ProcessAnswers> fitted_last_;
 };
 
 /// Folds of a stand-in are not kept: the run that continues would not know of it.
