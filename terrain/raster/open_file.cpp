@@ -248,18 +248,21 @@ void end_without_waiting() {
       nullptr);
 }
 
-/// Leaves the thread of an opening behind.
-struct LeaveBehind {
+/// The thread of an opening: waited for once the file is open, left behind if it never opens. PROJ still holds locks
+/// while such a thread ends, and a fork of this process would inherit them.
+struct OpeningThread {
+  std::thread running;
   bool opened = false;
-  ~LeaveBehind() {
+  ~OpeningThread() {
     if (!opened) end_without_waiting();
+    opened ? running.join() : running.detach();
   }
 };
 
 /// Opens in a thread of its own, so that a file system that does not answer can be left.
 DatasetHandle open_in_time(const fs::path& path, const std::string& name, FileKind kind) {
   const auto opening = std::make_shared<Opening>();
-  std::thread([opening, name, kind] {
+  OpeningThread in_time{std::thread([opening, name, kind] {
     const GdalCall call;
     const char* const* list = network_allowed() ? nullptr : formats(kind);
     DatasetHandle dataset(GDALDataset::Open(name.c_str(), flags(kind) | GDAL_OF_READONLY, list));
@@ -268,10 +271,9 @@ DatasetHandle open_in_time(const fs::path& path, const std::string& name, FileKi
     opening->dataset = std::move(dataset);
     opening->done = true;
     opening->changed.notify_all();
-  }).detach();
+  })};
   const auto start = std::chrono::steady_clock::now();
   bool told = false;
-  LeaveBehind leave;
   std::unique_lock lock(opening->mutex);
   while (!opening->changed.wait_for(lock, std::chrono::milliseconds(50), [&] { return opening->done; })) {
     stop_if_cancelled();
@@ -284,7 +286,7 @@ DatasetHandle open_in_time(const fs::path& path, const std::string& name, FileKi
     if (waited > kNotice && !told) log_line(path.string(), "opening takes more than 10 s; Ctrl-C stops it");
     told = waited > kNotice;
   }
-  leave.opened = true;
+  in_time.opened = true;
   if (!opening->dataset) refuse_format(path, kind, opening->reason);
   return std::move(opening->dataset);
 }
