@@ -49,7 +49,8 @@ struct SamplerParameter {
 struct SamplerInfo {
   std::string name{}, about{};
   std::vector<SamplerParameter> parameters{};
-  bool any_problem = true;  // false: bipartite problems only
+  bool any_problem = true;       // false: bipartite problems only
+  bool follows_energies = true;  // rows follow exp(-beta E); false: rows of low energy, of no distribution
 };
 std::vector<SamplerInfo> samplers();
 

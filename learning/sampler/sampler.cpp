@@ -8,12 +8,13 @@
 
 namespace gonogo::learning {
 
-extern const SamplerKind kBlockGibbs, kAnneal, kTempering, kPopulation, kExact, kFile, kCommand;
+extern const SamplerKind kBlockGibbs, kAnneal, kTempering, kPopulation, kExact, kTabu, kFile, kCommand;
 
 namespace {
 
 /// All samplers, in the order of lists for people.
-const SamplerKind* const kSamplers[] = {&kBlockGibbs, &kAnneal, &kTempering, &kPopulation, &kExact, &kFile, &kCommand};
+const SamplerKind* const kSamplers[] = {&kBlockGibbs, &kAnneal, &kTempering, &kPopulation,
+                                        &kExact,      &kTabu,   &kFile,      &kCommand};
 
 class RegisteredSampler final : public Sampler {
  public:

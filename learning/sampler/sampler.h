@@ -50,6 +50,9 @@ struct SamplerParameter {
   bool above_lowest = false;  // the lowest number itself is too low
 };
 
+/// Of the `info` of an answer: the name of the sampler, where rows follow no distribution.
+inline constexpr const char* kSearchOf = "search";
+
 /// Where rows come from.
 enum class RowOrigin { here, program, person };
 
@@ -58,7 +61,8 @@ struct SamplerKind {
   const char* title;  // "Annealer", the class in Python
   const char* about;  // one sentence
   std::vector<SamplerParameter> parameters = {};
-  bool any_problem = true;  // false: bipartite problems only
+  bool any_problem = true;       // false: bipartite problems only
+  bool follows_energies = true;  // rows follow exp(-beta E); false: rows of low energy, of no distribution
   RowOrigin origin = RowOrigin::here;
   /// As Sampler::sample(). `settings` has a value of the right type and range for every parameter.
   SampleSet (*sample)(const Problem& problem, const SampleRequest& request, const SamplerSettings& settings) = nullptr;

@@ -104,7 +104,7 @@ std::vector<std::string> write_problem(const Problem& problem, const std::filesy
 std::vector<SamplerInfo> samplers() {
   std::vector<SamplerInfo> result;
   for (const learning::SamplerKind* kind : learning::samplers()) {
-    SamplerInfo info{kind->name, kind->about, {}, kind->any_problem};
+    SamplerInfo info{kind->name, kind->about, {}, kind->any_problem, kind->follows_energies};
     for (const learning::SamplerParameter& p : kind->parameters)
       info.parameters.push_back({p.name, p.help, p.fallback});
     result.push_back(std::move(info));

@@ -28,9 +28,13 @@ void read_encoders(const Config& section, LearningSettings& settings) {
   }
 }
 
-bool draws_here(const learning::SamplerKind& kind) { return kind.origin == learning::RowOrigin::here; }
+bool draws_here(const learning::SamplerKind& kind) {
+  return kind.origin == learning::RowOrigin::here && kind.follows_energies;
+}
 
-bool runs_alone(const learning::SamplerKind& kind) { return kind.origin != learning::RowOrigin::person; }
+bool runs_alone(const learning::SamplerKind& kind) {
+  return kind.origin != learning::RowOrigin::person && kind.follows_energies;
+}
 
 }  // namespace
 

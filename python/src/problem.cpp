@@ -156,6 +156,8 @@ Decoded decode(const outcome::MachineProblem& machine, const std::string& vartyp
   rows.energies = vector_of(energies);
   rows.occurrences.assign(occurrences.data(), occurrences.data() + occurrences.size());
   if (info.contains("problem_hash")) rows.info["problem_hash"] = nb::cast<std::string>(info["problem_hash"]);
+  if (info.contains(learning::kSearchOf))
+    rows.info[learning::kSearchOf] = nb::cast<std::string>(info[learning::kSearchOf]);
   if (info.contains("programmings")) rows.info["programmings"] = nb::cast<std::int64_t>(info["programmings"]);
   return decoded(machine, rows, decode_settings(decoding, min_reads, min_share));
 }

@@ -8,7 +8,8 @@ import pytest
 import gonogo
 from gonogo import samplers
 
-SAMPLERS = [samplers.BlockGibbs, samplers.Annealer, samplers.Tempering, samplers.Population, samplers.Exact, samplers.Emulator]
+SAMPLERS = [samplers.BlockGibbs, samplers.Annealer, samplers.Tempering, samplers.Population, samplers.Exact, samplers.Tabu,
+            samplers.Emulator]
 
 
 # dimod's own suite. One case per sampler, collected by pytest.
@@ -16,7 +17,7 @@ def conformance(sampler):
     return dimod.testing.load_sampler_bqm_tests(sampler)(type(f"Test{sampler.__name__}", (unittest.TestCase,), {}))
 
 
-TestBlockGibbs, TestAnnealer, TestTempering, TestPopulation, TestExact, TestEmulator = map(conformance, SAMPLERS)
+TestBlockGibbs, TestAnnealer, TestTempering, TestPopulation, TestExact, TestTabu, TestEmulator = map(conformance, SAMPLERS)
 
 
 @pytest.mark.parametrize("sampler", [*SAMPLERS, samplers.StructuredEmulator])

@@ -7,7 +7,7 @@ weights by the next beta of dwave-samplers' geometric schedule. Problems that ne
 out: THRML compiles every block by itself. Compilation is not counted in its time.
 
 The problems come from the generators of dimod and from graphs of dwave-networkx, PROBLEMS of each family. Every solver is
-run at several efforts (sweeps of a read, or seconds of a tabu read). p is the share of its reads with the best energy
+run at several efforts (sweeps of a read, moves or milliseconds of a tabu read). p is the share of its reads with the best energy
 that any solver has found, t the CPU time of a read. Time to solution is t ln(0.01) / ln(1 - p), for its best effort; of a
 family it is the geometric mean over the problems, with a 95 % interval by drawing p anew from its posterior. Half of the
 reads choose the effort and the other half give p, so that the choice favours nobody. Ours is the time of the whole
@@ -43,6 +43,7 @@ except ImportError:
 
 PROBLEMS, SECONDS, MOST_READS, DRAWS = 2, 0.4, 20000, 1000
 SWEEPS = (30, 200, 1500)
+MOVES = (200, 2000, 20000)
 TABU_MS = (2, 20)
 MOST_BLOCKS = 20
 
@@ -186,10 +187,9 @@ class Thrml:
 
 
 class Ours:
-    efforts = SWEEPS
 
-    def __init__(self, gonogo, bqm, *sampler):
-        self.gonogo, self.bqm, self.sampler = gonogo, bqm, sampler
+    def __init__(self, gonogo, bqm, *sampler, efforts=SWEEPS):
+        self.gonogo, self.bqm, self.sampler, self.efforts = gonogo, bqm, sampler, efforts
         with open("problem.json", "w") as file:
             json.dump(bqm.to_serializable(), file)
 
@@ -209,6 +209,7 @@ def solvers(gonogo, bqm):
     yield "gonogo anneal", Ours(gonogo, bqm, "anneal")
     yield "gonogo anneal linear", Ours(gonogo, bqm, "anneal", "--schedule", "linear")
     yield "gonogo tempering", Ours(gonogo, bqm, "tempering")
+    yield "gonogo tabu", Ours(gonogo, bqm, "tabu", efforts=MOVES)
     yield "theirs, annealing", Annealing(bqm, "geometric")
     yield "theirs, annealing linear", Annealing(bqm, "linear")
     yield "theirs, tabu", Tabu(bqm)

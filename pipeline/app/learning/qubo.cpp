@@ -195,7 +195,8 @@ std::string correction_text(const learning::Correction& left) {
 }
 
 void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
-  CLI::App* command = qubo.add_subcommand("sample", "Draw rows of a problem from P(x) proportional to exp(-E(x))");
+  CLI::App* command = qubo.add_subcommand(
+      "sample", "Draw rows of a problem from P(x) proportional to exp(-E(x)), or search for low energies");
   add_named(*command, "problem", options->problem, kFile, "Problem in dimod's JSON")->required();
   add_named(*command, "--sampler", options->sampler, one_of(learning::sampler_names_and_emulator()),
             "Sampler; emulator stands for a D-Wave 2X, corrected for scale, "
@@ -209,6 +210,7 @@ void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& global
   add_named(*command, "--out", options->out, kFile, "Answer file to write")->required();
   add_examples(*command,
                {"gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json",
+                "gonogo qubo sample problem.json --sampler tabu --reads 20 --sweeps 20000 --out lowest.json",
                 "gonogo qubo sample problem.json --sampler command --out answer.json -- \\\n"
                 "      python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --sampler annealer"});
   command->callback([options, command, &globals] {
@@ -226,6 +228,7 @@ void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& global
     if (!report.anneal.is_null())
       text += line("annealed from beta %.4g to %.4g, %s\n", report.anneal.at("beta_start").number(),
                    report.anneal.at("beta_end").number(), report.anneal.at("schedule").string().c_str());
+    if (report.is_search) text += "rows of low energy, which follow no distribution: for optima, not for P(outcome)\n";
     if (report.correction) text += correction_text(*report.correction);
     print_result(globals, outcome::to_json(report), text);
   });

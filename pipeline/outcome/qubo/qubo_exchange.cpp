@@ -85,6 +85,7 @@ SampleReport sample_report(const learning::SampleSet& rows) {
   }
   for (const char* key : {"beta_start", "beta_end", "schedule"})
     if (const Json* value = rows.info.is_object() ? rows.info.find(key) : nullptr) report.anneal[key] = *value;
+  report.is_search = rows.info.is_object() && rows.info.find(learning::kSearchOf);
   return report;
 }
 
@@ -96,6 +97,7 @@ Json to_json(const SampleReport& report) {
   json["energy_mean"] = report.energy_mean;
   json["energy_lowest"] = report.energy_lowest;
   if (!report.anneal.is_null()) json["anneal"] = report.anneal;
+  if (report.is_search) json["follows"] = "no distribution";
   if (report.correction) json["correction"] = to_json(*report.correction);
   return json;
 }
@@ -228,6 +230,18 @@ SampleReport sample_emulated(const fs::path& problem_file, const fs::path& answe
   return report;
 }
 
+namespace {
+
+/// Throws InputError for rows of a search for low energies.
+void expect_distribution(const learning::SampleSet& answer, const std::string& source) {
+  const Json* search = answer.info.is_object() ? answer.info.find(learning::kSearchOf) : nullptr;
+  if (search && search->is_string())
+    throw InputError(source + ": its rows are of a search for low energies (" + search->string() +
+                     ") and follow no distribution; sample the problem with tempering or exact");
+}
+
+}  // namespace
+
 ImportedAnswer decode_answer_to(const learning::Problem& problem, const Sidecar& sidecar,
                                 const learning::SampleSet& answer, const DecodeSettings& settings,
                                 const std::string& source) {
@@ -235,6 +249,7 @@ ImportedAnswer decode_answer_to(const learning::Problem& problem, const Sidecar&
     throw InputError(source + ": its problem has free units in place of code words, so " +
                      decoding_name(settings.decoding) +
                      " finds none; decode with weigh, or export the problem with a penalty");
+  expect_distribution(answer, source);
   const auto machine = code_machine(problem, sidecar);
   const bool cannot_weigh = settings.decoding == Decoding::weigh && !machine;
   ImportedAnswer result;

@@ -42,7 +42,8 @@ struct SampleReport {
   std::filesystem::path answer;  // file of the rows; empty: none
   std::size_t reads = 0, variables = 0;
   double energy_mean = 0, energy_lowest = 0;
-  Json anneal{};  // betas and schedule of the sampler anneal; null for others
+  Json anneal{};           // betas and schedule of the sampler anneal; null for others
+  bool is_search = false;  // rows of low energy, which follow no distribution
   std::optional<learning::Correction>
       correction{};  // of the emulator (annealer_sampler.h); empty: nothing was corrected
 };

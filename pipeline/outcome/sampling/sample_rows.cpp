@@ -251,8 +251,9 @@ void measure_mixing(SampledRows& rows) {
 
 std::vector<std::string> row_samplers() {
   std::vector<std::string> names = {"auto", "exact", "code_words", "tempering"};
-  for (const std::string& name : learning::sampler_names_and_emulator(
-           [](const learning::SamplerKind& kind) { return kind.origin == learning::RowOrigin::here; }))
+  for (const std::string& name : learning::sampler_names_and_emulator([](const learning::SamplerKind& kind) {
+         return kind.origin == learning::RowOrigin::here && kind.follows_energies;
+       }))
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   return names;
 }

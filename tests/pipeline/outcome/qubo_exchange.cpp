@@ -246,6 +246,19 @@ TEST_CASE("rows of another temperature are refused, corrected where that is allo
   CHECK(std::abs(answer.at("bias").at("difference_in_errors").number()) > 4);
 }
 
+TEST_CASE("rows of a search for low energies are no answer, and train no model") {
+  write_small_model();
+  export_problem(kModel, kProblem, {{"slope_along", 12}}, learning::Vartype::binary);
+  for (const std::size_t sweeps : {0, 20, 2000}) {
+    CHECK(
+        sample_problem(kProblem, kAnswer, *learning::make_sampler("tabu"), {.reads = 500, .sweeps = sweeps}).is_search);
+    refused([&] { import_answer(import_request()); }, "follow no distribution; sample the problem with tempering");
+  }
+  for (const char* key : {"sampler", "stand_in"})
+    refused([&] { read_learning_settings(Config::parse(std::string("{\"") + key + "\": \"tabu\"}", "study.json")); },
+            "block_gibbs");
+}
+
 TEST_CASE("errors count reads that follow one another, and no error is zero") {
   const learning::Model model = write_small_model();
   const std::map<std::string, double> clamped = {{"slope_along", 12}, {"friction_angle", 31}};
