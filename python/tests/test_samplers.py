@@ -63,14 +63,25 @@ def test_conventions_of_ocean(sampler):
     assert len(draw(bqm, num_reads=None, num_sweeps=None, seed=None)) == 1
     empty = draw(bqm, num_reads=0)
     assert len(empty) == 0 and list(empty.variables) == [0, 96]
-    one, two = (draw(bqm, num_reads=64, num_sweeps=60) for _ in range(2))
+    sweeps = 0 if sampler is samplers.Tabu else 60  # its moves find one row alone
+    one, two = (draw(bqm, num_reads=64, num_sweeps=sweeps) for _ in range(2))
     assert one.info["seed"] != two.info["seed"]
     assert not np.array_equal(one.record.sample, two.record.sample)
-    again = draw(bqm, num_reads=64, num_sweeps=60, seed=one.info["seed"])
+    again = draw(bqm, num_reads=64, num_sweeps=sweeps, seed=one.info["seed"])
     assert np.array_equal(one.record.sample, again.record.sample)
     for wrong in ({"num_reads": -1}, {"seed": -1}):
         with pytest.raises(ValueError, match="must not be negative"):
             draw(bqm, **wrong)
+
+
+def test_tabu_finds_the_ground_state_and_answers_no_model(model):
+    bqm = dimod.generators.gnp_random_bqm(14, 0.5, "SPIN", random_state=2)
+    rows = samplers.Tabu().sample(bqm, num_reads=5, num_sweeps=300, seed=1)
+    assert rows.first.energy == pytest.approx(dimod.ExactSolver().sample(bqm).first.energy)
+    given = {"slope_along": 12}
+    lowest = samplers.Tabu().sample(model.to_bqm(given, "SPIN"), num_reads=300, seed=1)
+    with pytest.raises(gonogo.InputError, match="follow no distribution"):
+        model.answer(lowest, given)
 
 
 def test_annealer_fits_its_betas_and_says_them():

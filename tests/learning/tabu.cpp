@@ -99,8 +99,8 @@ double shortest_of_all(const std::vector<std::vector<double>>& distance) {
 TEST_CASE("tabu search finds the lowest energy of every small problem") {
   test::Draw draw(5);
   for (int k = 0; k < 120; ++k) {
-    const Problem problem = random_problem(1 + std::size_t(k) % 14, k % 2 ? Vartype::spin : Vartype::binary,
-                                           k % 3 == 0 ? 8 : 1, draw);
+    const Problem problem =
+        random_problem(1 + std::size_t(k) % 14, k % 2 ? Vartype::spin : Vartype::binary, k % 3 == 0 ? 8 : 1, draw);
     const SampleSet rows = make_sampler("tabu")->sample(problem, {.reads = 4, .seed = std::uint64_t(k), .sweeps = 500});
     const double lowest = lowest_of_all(problem);
     INFO("problem " << k << " of " << problem.variable_count() << " variables");
