@@ -33,6 +33,9 @@ GONOGO_HD inline Real quick_ratio(Real a, Real b) {
   return a / b;
 #endif
 }
+/// Whether a branch may be left out because no lane takes it. Never with one lane: on a GPU the neighbouring threads
+/// may take it.
+GONOGO_HD inline bool no_lane(bool) { return false; }
 template <class T>
 GONOGO_HD inline T constant(Real x);
 template <>
@@ -51,6 +54,15 @@ using PackInMemory = Real __attribute__((vector_size(4 * kPackWidth), may_alias)
 inline Pack select(PackMask condition, Pack yes, Pack no) { return condition ? yes : no; }
 inline PackMask both(PackMask a, PackMask b) { return a & b; }
 inline PackMask either(PackMask a, PackMask b) { return a | b; }
+inline bool no_lane(PackMask condition) {
+#ifdef __AVX__
+  return _mm256_testz_si256(__m256i(condition), __m256i(condition));
+#else
+  for (int lane = 0; lane < kPackWidth; ++lane)
+    if (condition[lane]) return false;
+  return true;
+#endif
+}
 template <>
 inline Pack constant<Pack>(Real x) {
   return Pack{} + x;

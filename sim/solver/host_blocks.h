@@ -15,10 +15,16 @@ inline constexpr Index kBlocksPerTile = kTileSize / kPackWidth;
 /// impulse stays zero and adds nothing to any sum.
 struct ContactBlock {
   ContactNumbers<Pack> numbers;
-  Pack gap_bias;
-  ImpulseT<Pack> impulse[2];  // of the latest two updates, alternating
+  Vec3T<Pack> linear[2], angular[2];  // impulses of the latest two updates, alternating
   BodyIndex body_a[kPackWidth], body_b[kPackWidth];
   Index slot_b[kPackWidth];  // of the wrench on body b; without one, behind all bodies' slots, that of the tile
+  Pack gap_bias, gap, gap_rate;
+
+  ImpulseT<Pack> impulse(Index which) const { return {.linear = linear[which], .angular = angular[which]}; }
+  void set_impulse(Index which, const ImpulseT<Pack>& p) {
+    linear[which] = p.linear;
+    angular[which] = p.angular;
+  }
 };
 
 template <>
@@ -49,7 +55,7 @@ inline void load_fields(const Record* const (&record)[kPackWidth], Fields& field
   for (int f = 0; f < kPackWidth; ++f) field[f] = m[f];
 }
 
-inline void load_velocities(View<const Velocity> velocity, const BodyIndex (&body)[kPackWidth], VelocityT<Pack>& v) {
+inline VelocityT<Pack> load_velocities(View<const Velocity> velocity, const BodyIndex (&body)[kPackWidth]) {
   static_assert(sizeof(Velocity) == sizeof(Pack));
   Pack m[kPackWidth];
   for (int lane = 0; lane < kPackWidth; ++lane) {
@@ -58,7 +64,7 @@ inline void load_velocities(View<const Velocity> velocity, const BodyIndex (&bod
     m[lane] = *reinterpret_cast<const PackInMemory*>(&velocity[b]);
   }
   transpose(m);
-  v = {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, m[7]};
+  return {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, m[7]};
 }
 
 /// Fills the blocks of one tile from its contacts and their warm start.
@@ -86,6 +92,8 @@ struct FillTile {
       std::memcpy(number, static_cast<const ContactNumbers<Real>*>(&contact[i]), sizeof number);
       for (int f = 0; f < kNumbers; ++f) field[f][lane] = number[f];
       out.gap_bias[lane] = contact[i].gap_bias;
+      out.gap[lane] = contact[i].gap;
+      out.gap_rate[lane] = contact[i].gap_rate;
       out.body_a[lane] = contact[i].body_a;
       out.body_b[lane] = contact[i].body_b;
       out.slot_b[lane] = slot[i] >= 0 ? slot[i] : unused;
@@ -98,17 +106,18 @@ struct FillTile {
   void fill_impulses(ContactBlock& out, ContactIndex first, ContactIndex end) const {
     const Impulse* start[kPackWidth];
     for (int lane = 0; lane < kPackWidth; ++lane) start[lane] = &impulse[first + lane < end ? first + lane : end - 1];
-    load_fields(start, out.impulse[0]);
-    out.impulse[1] = out.impulse[0];
+    ImpulseT<Pack> p;
+    load_fields(start, p);
+    for (const Index which : {0, 1}) out.set_impulse(which, p);
   }
 
   void empty_lane(ContactBlock& out, int lane, Index unused) const {
     auto* field = reinterpret_cast<Real*>(&out.numbers);
     for (int f = 0; f < kNumbers; ++f) field[f * kPackWidth + lane] = 0;
     out.numbers.step.n[lane] = out.numbers.step.t[lane] = out.numbers.step.r[lane] = 1;
-    for (ImpulseT<Pack>& p : out.impulse)
-      p.linear.x[lane] = p.linear.y[lane] = p.linear.z[lane] = p.angular.x[lane] = p.angular.y[lane] =
-          p.angular.z[lane] = 0;
+    for (Vec3T<Pack>& p :
+         {std::ref(out.linear[0]), std::ref(out.linear[1]), std::ref(out.angular[0]), std::ref(out.angular[1])})
+      p.x[lane] = p.y[lane] = p.z[lane] = 0;
     out.slot_b[lane] = unused;
   }
 };
@@ -137,7 +146,7 @@ inline void scatter_tile(const Tiles& tiles, View<const ContactBlock> block, Ind
   const ContactRange range = tiles.contacts(tile);
   for (Index first = range.begin; first < range.end; first += kPackWidth) {
     const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
-    scatter_wrenches(b, b.impulse[parity], first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
+    scatter_wrenches(b, b.impulse(parity), first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
   }
 }
 
@@ -186,27 +195,22 @@ struct UpdateTile {
       const ContactUpdate<Pack> u = update(b, beta, m.renew_slip != 0);
       Pack residual{};
       if (m.test) residual = residual_square<turning>(b.numbers, u);
-      b.impulse[1 - parity] = u.impulse;
+      b.set_impulse(1 - parity, u.impulse);
       scatter_wrenches(b, u.impulse, first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
       add(first, u.uphill, residual);
     }
   }
 
   GONOGO_HD_INLINED ContactUpdate<Pack> update(ContactBlock& b, const Pack& beta, bool renew_slip) const {
-    VelocityT<Pack> a, c;
-    load_velocities(velocity, b.body_a, a);
-    load_velocities(velocity, b.body_b, c);
+    const VelocityT<Pack> a = load_velocities(velocity, b.body_a), c = load_velocities(velocity, b.body_b);
     if (renew_slip) b.numbers.bias = b.gap_bias + opening_speed<turning>(b.numbers, a, c);
-    return accelerated_update<turning>(b.numbers, a, c, b.impulse[parity], b.impulse[1 - parity], beta);
+    return accelerated_update<turning>(b.numbers, a, c, b.impulse(parity), b.impulse(1 - parity), beta);
   }
 };
-
-inline Vec3 lane_of(const Vec3T<Pack>& v, Index lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
 
 /// Moves the gaps of a tile on, if its world begins another substep.
 struct AdvanceTile {
   Tiles tiles;
-  View<Contact> contact;
   View<ContactBlock> block;
   View<const Velocity> substep_velocity;
   View<const Momentum> momentum;
@@ -218,34 +222,41 @@ struct AdvanceTile {
     if (!m.begins) return;
     GONOGO_ASSERT(!m.done && parity == (m.updates & 1));
     const ContactRange range = tiles.contacts(tile);
-    for (ContactIndex i = range.begin; i < range.end; ++i) {
-      const Index in_tile = i - range.begin, lane = in_tile % kPackWidth;
-      ContactBlock& b = block[tile * kBlocksPerTile + in_tile / kPackWidth];
-      Contact& c = contact[i];
-      GONOGO_ASSERT(c.body_a == b.body_a[lane] && c.body_b == b.body_b[lane]);
-      advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], lane_of(b.impulse[parity].linear, lane),
-                  settings);
-      b.numbers.bias[lane] = b.gap_bias[lane] = c.bias;
-    }
+    for (Index first = range.begin; first < range.end; first += kPackWidth)
+      advance(block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth]);
+  }
+
+  void advance(ContactBlock& b) const {
+    const VelocityT<Pack> of_a = load_velocities(substep_velocity, b.body_a);
+    const VelocityT<Pack> of_b = load_velocities(substep_velocity, b.body_b);
+    const ContactNumbers<Pack>& c = b.numbers;
+    const Pack gap = advanced_gap(b.gap, c, of_a, of_b, settings.substep());
+    b.gap = counted_gap(gap, b.gap_rate, c.softness * dot(b.linear[parity], c.normal), settings);
+    b.numbers.bias = b.gap_bias = bias_of_gap(b.gap, b.gap_rate, c.softness, settings);
   }
 };
 
-/// Stores the impulses at the end of the step.
-struct StoreImpulses {
+/// Stores impulses and gaps at the end of the step.
+struct StoreTile {
   Tiles tiles;
   View<const ContactBlock> block;
   View<const Momentum> momentum;
   View<Impulse> impulse;
+  View<Contact> contact;
 
   void operator()(Index tile) const {
     const ContactRange range = tiles.contacts(tile);
     const Index latest = momentum[tiles.tile[tile].world].updates & 1;
     for (Index first = range.begin; first < range.end; first += kPackWidth) {
       const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
-      Pack row[kPackWidth];
-      store_wrenches(b.impulse[latest].linear, b.impulse[latest].angular, row);
       const Index count = std::min(range.end - first, kPackWidth);
-      for (Index lane = 0; lane < count; ++lane) *reinterpret_cast<PackInMemory*>(&impulse[first + lane]) = row[lane];
+      Pack row[kPackWidth];
+      store_wrenches(b.linear[latest], b.angular[latest], row);
+      for (Index lane = 0; lane < count; ++lane) {
+        *reinterpret_cast<PackInMemory*>(&impulse[first + lane]) = row[lane];
+        contact[first + lane].gap = b.gap[lane];
+        contact[first + lane].gap_bias = b.gap_bias[lane];
+      }
     }
   }
 };

@@ -15,17 +15,12 @@ inline ContactNumbers<Real> lane_of(const ContactNumbers<Pack>& numbers, Index l
   return result;
 }
 
-inline Impulse lane_of(const ImpulseT<Pack>& p, Index lane) {
-  return {lane_of(p.linear, lane), 0, lane_of(p.angular, lane), 0};
-}
+inline Vec3 lane_of(const Vec3T<Pack>& v, Index lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
 
-inline void set_lane(ImpulseT<Pack>& p, Index lane, const Impulse& to) {
-  p.linear.x[lane] = to.linear.x;
-  p.linear.y[lane] = to.linear.y;
-  p.linear.z[lane] = to.linear.z;
-  p.angular.x[lane] = to.angular.x;
-  p.angular.y[lane] = to.angular.y;
-  p.angular.z[lane] = to.angular.z;
+inline void set_lane(Vec3T<Pack>& v, Index lane, const Vec3& to) {
+  v.x[lane] = to.x;
+  v.y[lane] = to.y;
+  v.z[lane] = to.z;
 }
 
 /// Updates the contacts of one colour in a tile, and their bodies at once.
@@ -57,10 +52,11 @@ struct SweepTile {
     ContactNumbers<Real> c = lane_of(block_of.numbers, lane);
     if (m.renew_slip)
       block_of.numbers.bias[lane] = c.bias = block_of.gap_bias[lane] + opening_speed<turning, Real>(c, a, b);
-    const Impulse now = lane_of(block_of.impulse[parity], lane);
+    const Impulse now{lane_of(block_of.linear[parity], lane), 0, lane_of(block_of.angular[parity], lane), 0};
     const ContactUpdate<Real> u = accelerated_update<turning, Real>(c, a, b, now, now, Real(0));
     if (m.test) sums[tile].residual_square += residual_square<turning, Real>(c, u);
-    set_lane(block_of.impulse[1 - parity], lane, u.impulse);
+    set_lane(block_of.linear[1 - parity], lane, u.impulse.linear);
+    set_lane(block_of.angular[1 - parity], lane, u.impulse.angular);
     const Impulse change{u.impulse.linear - now.linear, 0, u.impulse.angular - now.angular, 0};
     bodies.move(body_a, c.arm_a, change, 1);
     bodies.move(body_b, c.arm_b, change, -1);
@@ -106,7 +102,7 @@ struct SpectralTile {
       ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
       const SpectralUpdate<Pack> u = update(b, step, m.renew_slip != 0);
       if (m.test) s.residual_square += sum_lanes(residual_square<turning>(b.numbers, u.update));
-      b.impulse[1 - parity] = u.update.impulse;
+      b.set_impulse(1 - parity, u.update.impulse);
       scatter_wrenches(b, u.update.impulse, first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
       spectral += SpectralSums{sum_lanes(u.sums.change_square), sum_lanes(u.sums.curvature), sum_lanes(u.sums.rise)};
     }
@@ -115,13 +111,11 @@ struct SpectralTile {
   }
 
   SpectralUpdate<Pack> update(ContactBlock& b, const Pack& step, bool renew_slip) const {
-    VelocityT<Pack> a, c, a0, c0;
-    load_velocities(velocity, b.body_a, a);
-    load_velocities(velocity, b.body_b, c);
-    load_velocities(velocity_before, b.body_a, a0);
-    load_velocities(velocity_before, b.body_b, c0);
+    const VelocityT<Pack> a = load_velocities(velocity, b.body_a), c = load_velocities(velocity, b.body_b);
+    const VelocityT<Pack> a0 = load_velocities(velocity_before, b.body_a);
+    const VelocityT<Pack> c0 = load_velocities(velocity_before, b.body_b);
     if (renew_slip) b.numbers.bias = b.gap_bias + opening_speed<turning>(b.numbers, a, c);
-    return spectral_update<turning, Pack>(b.numbers, a, c, a0, c0, b.impulse[parity], b.impulse[1 - parity], step);
+    return spectral_update<turning, Pack>(b.numbers, a, c, a0, c0, b.impulse(parity), b.impulse(1 - parity), step);
   }
 };
 

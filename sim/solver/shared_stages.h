@@ -43,8 +43,7 @@ GONOGO_HD_INLINED Velocity begin_body(const Velocity& v, const Velocity& change,
 GONOGO_HD_INLINED Velocity carry_body(const Velocity& v, const Velocity& change, Velocity& free,
                                       Velocity& substep_velocity, Velocity& earlier) {
   const Velocity next = sum(v, change), more = difference(next, free);
-  earlier.linear += v.linear;
-  earlier.angular += v.angular;
+  earlier = sum(earlier, v);
   substep_velocity = v;
   free = next;
   return more;

@@ -70,8 +70,6 @@ struct GatherVelocity {
     *reinterpret_cast<PackInMemory*>(&extrapolated_velocity[b]) = ahead;
     now = next;
   }
-
-  static Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
 };
 
 /// Decides a world's next update from the sums of its tiles, added in order.
@@ -179,7 +177,6 @@ inline void advance_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Inde
                           const StepSettings& settings) {
   for_each_index(exec, tile_count,
                  AdvanceTile{.tiles = tiles(s),
-                             .contact = s.contact.view(),
                              .block = own.block.view(),
                              .substep_velocity = s.substep_velocity.view(),
                              .momentum = s.momentum.view(),
@@ -291,7 +288,7 @@ struct SpectralMethod : GradientMethod {
 
 inline void measure(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, const StepSettings& settings) {
   View<Impulse> impulse = s.store[s.parity].impulse.view();
-  for_each_index(exec, tile_count, StoreImpulses{tiles(s), own.block.view(), s.momentum.view(), impulse},
+  for_each_index(exec, tile_count, StoreTile{tiles(s), own.block.view(), s.momentum.view(), impulse, s.contact.view()},
                  kTilesInParallel);
   for_each_index(
       exec, tile_count,

@@ -170,16 +170,17 @@ struct SplitMasses {
 };
 
 /// A gap after the bodies have moved with these velocities through a substep, with the normal and arms of the step.
-GONOGO_HD_INLINED Real advanced_gap(Real gap, const ContactNumbers<Real>& c, const Velocity& a, const Velocity& b,
-                                    Real substep) {
-  return gap + substep * dot(c.normal, contact_velocity<Real>(c, a, b));
+template <class T>
+GONOGO_HD_INLINED T advanced_gap(const T& gap, const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b,
+                                 Real substep) {
+  return gap + substep * dot(c.normal, contact_velocity(c, a, b));
 }
 
 /// The same for the contact itself, and the bias that follows. `impulse`: the linear part of its present impulse.
 GONOGO_HD_INLINED void advance_gap(Contact& c, const Velocity& a, const Velocity& b, const Vec3& impulse,
                                    const StepSettings& settings) {
-  c.gap = counted_gap(advanced_gap(c.gap, c, a, b, settings.substep()), c.gap_rate, c.softness * dot(impulse, c.normal),
-                      settings);
+  const Real gap = advanced_gap<Real>(c.gap, c, a, b, settings.substep());
+  c.gap = counted_gap(gap, c.gap_rate, c.softness * dot(impulse, c.normal), settings);
   c.bias = c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
 }
 

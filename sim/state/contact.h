@@ -40,14 +40,20 @@ GONOGO_HD_INLINED T magnitude(const T& x) {
   return select(x < constant<T>(0), -x, x);
 }
 
+/// A friction part of this size, cut to the limit.
+template <class V, class T>
+GONOGO_HD_INLINED V clipped(const V& part, const T& size, const T& limit) {
+  return part * select(size > limit, quick_ratio(limit, size), constant<T>(1));
+}
+
 /// Nearest point of K. For a given n every friction part is clipped to its radius, so what is left is to minimise a
 /// convex, piecewise quadratic function of n. Its derivative rises and is concave: Newton's method climbs from n0 to
-/// the root without passing it, in at most one pass per clipped part. There are no branches, so that the eight contacts
-/// of a Pack may lie on different pieces. `turning`: rolling and spinning parts exist.
+/// the root without passing it, in at most one pass per clipped part. The eight contacts of a Pack may lie on different
+/// pieces; passes end when none of them moves. `turning`: rolling and spinning parts exist.
 template <bool turning, class T>
 GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const ConeShapeT<T>& cone,
                                                     const ConeStepT<T>& step) {
-  const T one = constant<T>(1), zero = constant<T>(0);
+  const T zero = constant<T>(0);
   const T slide = quick_root(dot(p.tangential, p.tangential));
   T roll{}, spin{};
   // Weights of the parts, multiplied by the steps of all, so that each pass divides once.
@@ -70,17 +76,14 @@ GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, co
       sum += rolls * roll + spins * spin;
       weight += rolls * cone.rho + spins * cone.sigma;
     }
-    n = select(sum == normal_weight * p.normal, p.normal, quick_ratio(sum, weight));
+    const T next = select(sum == normal_weight * p.normal, p.normal, quick_ratio(sum, weight));
+    if (no_lane(next != n)) break;
+    n = next;
   }
   n = select(n > zero, n, zero);
-  ConeImpulseT<T> q;
-  q.normal = n;
-  q.tangential = p.tangential * select(slide > cone.mu * n, quick_ratio(cone.mu * n, slide), one);
-  if constexpr (turning) {
-    q.rolling = p.rolling * select(roll > cone.rho * n, quick_ratio(cone.rho * n, roll), one);
-    q.spinning = p.spinning * select(spin > cone.sigma * n, quick_ratio(cone.sigma * n, spin), one);
-  }
-  return q;
+  const Vec3T<T> sliding = clipped(p.tangential, slide, cone.mu * n);
+  if constexpr (!turning) return {n, sliding, Vec3T<T>{}, zero};
+  return {n, sliding, clipped(p.rolling, roll, cone.rho * n), clipped(p.spinning, spin, cone.sigma * n)};
 }
 
 GONOGO_HD inline ConeImpulse project_onto_cone(const ConeImpulse& p, const ConeShape& cone, const ConeStep& step) {
@@ -152,27 +155,35 @@ GONOGO_HD inline Index contact_weight(const Contact& c, const Impulse& start) {
   return dot(start.linear, c.normal) > 0 || c.gap < 0 ? 4 : 1;
 }
 
+#ifdef __CUDACC__
 GONOGO_HD_INLINED Velocity sum(const Velocity& a, const Velocity& b) {
   return {a.linear + b.linear, 0, a.angular + b.angular, 0};
 }
 GONOGO_HD_INLINED Velocity difference(const Velocity& a, const Velocity& b) {
   return {a.linear - b.linear, 0, a.angular - b.angular, 0};
 }
+#else
+/// All eight numbers of a velocity at once: the compiler would take the vectors apart and store them one by one.
+inline Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
+inline Velocity from_pack(const Pack& numbers) {
+  Velocity v;
+  *reinterpret_cast<PackInMemory*>(&v) = numbers;
+  return v;
+}
+inline Velocity sum(const Velocity& a, const Velocity& b) { return from_pack(in_pack(a) + in_pack(b)); }
+inline Velocity difference(const Velocity& a, const Velocity& b) { return from_pack(in_pack(a) - in_pack(b)); }
+#endif
 
 template <class T>
 GONOGO_HD_INLINED VelocityT<T> extrapolated(const VelocityT<T>& now, const VelocityT<T>& before, const T& beta) {
-  VelocityT<T> v;
-  v.linear = multiply_add(now.linear - before.linear, beta, now.linear);
-  v.angular = multiply_add(now.angular - before.angular, beta, now.angular);
-  return v;
+  return {.linear = multiply_add(now.linear - before.linear, beta, now.linear),
+          .angular = multiply_add(now.angular - before.angular, beta, now.angular)};
 }
 
 template <class T>
 GONOGO_HD_INLINED ImpulseT<T> extrapolated(const ImpulseT<T>& now, const ImpulseT<T>& before, const T& beta) {
-  ImpulseT<T> p;
-  p.linear = multiply_add(now.linear - before.linear, beta, now.linear);
-  p.angular = multiply_add(now.angular - before.angular, beta, now.angular);
-  return p;
+  return {.linear = multiply_add(now.linear - before.linear, beta, now.linear),
+          .angular = multiply_add(now.angular - before.angular, beta, now.angular)};
 }
 
 /// Velocity of body a relative to body b at the contact point.
@@ -222,20 +233,20 @@ template <bool turning, class T>
 GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const ImpulseT<T>& from,
                                              const ContactGradient<T>& g, const ConeStepT<T>& step) {
   const T g_n = dot(g.linear, c.normal), from_n = dot(from.linear, c.normal);
-  ConeImpulseT<T> target;
-  target.normal = multiply_add(-step.n, g_n, from_n) + c.cohesion;
+  const T normal = multiply_add(-step.n, g_n, from_n) + c.cohesion;
   const Vec3T<T> moved = multiply_add(g.linear, -step.t, from.linear);
-  target.tangential = multiply_add(c.normal, multiply_add(step.t, g_n, -from_n), moved);
+  const Vec3T<T> tangential = multiply_add(c.normal, multiply_add(step.t, g_n, -from_n), moved);
+  const ConeShapeT<T> cone{c.mu, c.rho, c.sigma};
   if constexpr (turning) {
     const Vec3T<T> turn = multiply_add(g.angular, -step.r, from.angular);
-    target.spinning = dot(turn, c.normal);
-    target.rolling = multiply_add(c.normal, -target.spinning, turn);
+    const T spinning = dot(turn, c.normal);
+    const Vec3T<T> rolling = multiply_add(c.normal, -spinning, turn);
+    const ConeImpulseT<T> p = project_onto_cone<true, T>({normal, tangential, rolling, spinning}, cone, step);
+    return {.linear = multiply_add(c.normal, p.normal - c.cohesion, p.tangential),
+            .angular = multiply_add(c.normal, p.spinning, p.rolling)};
   }
-  const ConeImpulseT<T> p = project_onto_cone<turning, T>(target, {c.mu, c.rho, c.sigma}, step);
-  ImpulseT<T> result;
-  result.linear = multiply_add(c.normal, p.normal - c.cohesion, p.tangential);
-  if constexpr (turning) result.angular = multiply_add(c.normal, p.spinning, p.rolling);
-  return result;
+  const ConeImpulseT<T> p = project_onto_cone<false, T>({normal, tangential, Vec3T<T>{}, constant<T>(0)}, cone, step);
+  return {.linear = multiply_add(c.normal, p.normal - c.cohesion, p.tangential), .angular = {}};
 }
 
 /// Square of a projected step divided by its step sizes: the square of the speed that is still wrong [m^2/s^2].
@@ -268,13 +279,12 @@ template <bool turning, class T>
 GONOGO_HD_INLINED ContactUpdate<T> accelerated_update(const ContactNumbers<T>& c, const VelocityT<T>& a,
                                                       const VelocityT<T>& b, const ImpulseT<T>& now,
                                                       const ImpulseT<T>& before, const T& beta) {
-  ContactUpdate<T> u;
-  u.from = extrapolated(now, before, beta);
-  const ContactGradient<T> gradient = contact_gradient(c, a, b, u.from);
-  u.impulse = projected_step<turning>(c, u.from, gradient, c.step);
-  u.uphill = dot(gradient.linear, u.impulse.linear - now.linear);
-  if constexpr (turning) u.uphill += dot(gradient.angular, u.impulse.angular - now.angular);
-  return u;
+  const ImpulseT<T> from = extrapolated(now, before, beta);
+  const ContactGradient<T> gradient = contact_gradient(c, a, b, from);
+  const ImpulseT<T> impulse = projected_step<turning>(c, from, gradient, c.step);
+  T uphill = dot(gradient.linear, impulse.linear - now.linear);
+  if constexpr (turning) uphill += dot(gradient.angular, impulse.angular - now.angular);
+  return {from, impulse, uphill};
 }
 
 /// Square of the speed that this update corrected [m^2/s^2].

@@ -79,12 +79,11 @@ struct StepSettings {
 /// Bias of a contact [m/s]; the solver keeps the normal speed above its negative. A gap may close in this substep, an
 /// overlap opens at a limited speed; a compliant contact gets the resting speed of its spring and damper. `rate`,
 /// `softness`: see Contact.
-GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const StepSettings& settings) {
-  GONOGO_ASSERT(rate > 0 && !(softness < 0));
-  const Real bias = rate * gap;
-  if (softness > 0 || gap >= 0) return bias;
-  const Real push_out = settings.recovery_share * bias;
-  return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+template <class T>
+GONOGO_HD_INLINED T bias_of_gap(const T& gap, const T& rate, const T& softness, const StepSettings& settings) {
+  const T zero = constant<T>(0), fastest = constant<T>(-settings.recovery_speed);
+  const T bias = rate * gap, push_out = settings.recovery_share * bias;
+  return select(either(softness > zero, gap >= zero), bias, select(push_out < fastest, fastest, push_out));
 }
 
 /// Rigid contacts with few updates in a substep are unstable. An overlap pushes with a delay, so slow modes of many
@@ -97,11 +96,12 @@ GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const Step
 /// Returns how much of a gap counts. What an overlap exceeds its impulse by is pushed out no faster than
 /// recovery_speed, as with rigid contacts; a deeper part does not count yet. `rate`: of the contact; `held`: its
 /// softness times its normal impulse [m/s].
-GONOGO_HD inline Real counted_gap(Real gap, Real rate, Real held, const StepSettings& settings) {
-  if (settings.give <= 0 || rate != settings.give_rate()) return gap;
-  const Real deepest = -((held > 0 ? held : Real(0)) + settings.recovery_speed) / rate;
-  GONOGO_ASSERT(!(deepest > 0));
-  return gap < deepest ? deepest : gap;
+template <class T>
+GONOGO_HD_INLINED T counted_gap(const T& gap, const T& rate, const T& held, const StepSettings& settings) {
+  if (settings.give <= 0) return gap;
+  const T zero = constant<T>(0);
+  const T deepest = -(select(held > zero, held, zero) + settings.recovery_speed) / rate;
+  return select(both(rate == constant<T>(settings.give_rate()), gap < deepest), deepest, gap);
 }
 
 struct WorldParameters {

@@ -223,7 +223,8 @@ class PartSolver<Cpu> {
 
   void measure(Cpu exec, State<Cpu>& s, Index tile_count, const StepSettings& settings) {
     const View<Impulse> impulse = s.store[s.parity].impulse.view();
-    for_each_index(exec, tile_count, StoreImpulses{tiles(s), own_.block.view(), s.momentum.view(), impulse},
+    for_each_index(exec, tile_count,
+                   StoreTile{tiles(s), own_.block.view(), s.momentum.view(), impulse, s.contact.view()},
                    kTilesInParallel);
     const MeasureTile measure{tiles(s), s.contact.view(),          s.velocity.view(),
                               impulse,  own_.tile_measures.view(), settings.target};

@@ -242,8 +242,8 @@ class SolveKernel {
   GONOGO_DEVICE Real advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m, Index now) {
     const ContactNumbers<Real> c = contact_.unpack(i);
     GapRecord own = s.gap[i];
-    own.gap =
-        advanced_gap(own.gap, c, s.substep_velocity[bodies.a], s.substep_velocity[bodies.b], s.settings.substep());
+    own.gap = advanced_gap<Real>(own.gap, c, s.substep_velocity[bodies.a], s.substep_velocity[bodies.b],
+                                 s.settings.substep());
     if (c.softness > 0)
       own.gap =
           counted_gap(own.gap, own.rate, c.softness * dot(contact_.own_impulse(now, i).linear, c.normal), s.settings);
