@@ -1,6 +1,7 @@
 // Errors that reach a person. See docs/notation.md, "Errors".
 //   InputError   the user's input is unusable. Says file, place, value, allowed range, what to do.
 //   DeviceError  a library, the operating system or a device failed. Names the call.
+//   OutOfMemory  a DeviceError: a GPU holds less than the work needs.
 //   Cancelled    the user pressed Ctrl-C. Finished work is kept.
 // A numerical failure is a status in the result, not an error. A broken invariant is a bug: GONOGO_ASSERT.
 #pragma once
@@ -33,6 +34,10 @@ struct PlacedInputError : InputError {
 
 struct DeviceError : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+struct OutOfMemory : DeviceError {
+  using DeviceError::DeviceError;
 };
 
 struct Cancelled : std::runtime_error {

@@ -47,6 +47,11 @@ struct Cuda {
   Index side_count = 0;
 };
 
+/// Takes no memory: counts the bytes that a GPU's buffers of the same sizes take.
+struct Tally {
+  static inline thread_local std::size_t bytes = 0;  // of all buffers of this thread
+};
+
 #ifdef __CUDACC__
 inline void check_cuda(cudaError_t status, const char* call) {
   if (status != cudaSuccess) throw DeviceError(std::string("CUDA ") + call + ": " + cudaGetErrorString(status));
@@ -81,6 +86,33 @@ class Buffer<T, Cpu> {
   std::vector<T> items_;
 };
 
+/// Grows as the buffer on a GPU does; what is written into it is lost.
+template <class T>
+class Buffer<T, Tally> {
+ public:
+  Buffer() = default;
+  ~Buffer() { Tally::bytes -= capacity_ * sizeof(T); }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+
+  Index size() const { return Index(size_); }
+  View<T> view() { return {nullptr, size()}; }
+  void resize(std::size_t size) {
+    if (size > capacity_) {
+      const std::size_t capacity = std::max(size, capacity_ + capacity_ / 2);
+      Tally::bytes += (capacity - capacity_) * sizeof(T);
+      capacity_ = capacity;
+    }
+    size_ = size;
+  }
+  void fill_zero(std::size_t size) { resize(size); }
+  void upload(const std::vector<T>& from) { resize(from.size()); }
+  void write(Index, const T&) {}
+
+ private:
+  std::size_t size_ = 0, capacity_ = 0;
+};
+
 #ifdef __CUDACC__
 template <class T>
 class Buffer<T, Cuda> {
@@ -100,7 +132,7 @@ class Buffer<T, Cuda> {
   T* data() { return data_; }
   View<T> view() { return {data_, size()}; }
 
-  /// Grows to at least 1.5 times the capacity when it must grow; new memory is zero. DeviceError names the bytes
+  /// Grows to at least 1.5 times the capacity when it must grow; new memory is zero. OutOfMemory names the bytes
   /// wanted.
   void resize(std::size_t size) {
     if (size > capacity_) {
@@ -160,7 +192,7 @@ class Buffer<T, Cuda> {
     cudaGetLastError();  // else the next kernel's check would find this error
     std::size_t unused = 0, total = 0;
     cudaMemGetInfo(&unused, &total);
-    throw DeviceError("out of GPU memory: " + std::to_string(bytes) + " bytes asked for, " + std::to_string(unused) +
+    throw OutOfMemory("out of GPU memory: " + std::to_string(bytes) + " bytes asked for, " + std::to_string(unused) +
                       " of " + std::to_string(total) + " are free; use fewer worlds or a smaller bed");
   }
 

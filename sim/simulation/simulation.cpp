@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "sim/scene/check_scene.h"
+#include "sim/simulation/layout/memory.h"
 #include "sim/state/state.h"
 #ifdef GONOGO_WITH_CUDA
 #include <cuda_runtime_api.h>
@@ -60,6 +61,7 @@ std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene,
   std::vector<FlatWorld> worlds;
   for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
   check_totals(worlds, room);
+  require_memory(backend == Backend::cuda, worlds, room, settings);
 #ifdef GONOGO_WITH_CUDA
   if (backend == Backend::cuda) return make_cuda_simulation(std::move(worlds), settings, room);
 #endif

@@ -121,7 +121,7 @@ void require_backend(Backend backend);
 
 /// `threads`: of the CPU backend. `room`: min size of every place, for larger worlds that will replace() the first
 /// ones. Throws InputError for bad settings, a scene that the checks in sim/scene refuse, and as require_backend does.
-/// Throws DeviceError, naming the bytes, when a GPU's memory does not suffice.
+/// Throws OutOfMemory, naming the bytes and the GPUs that would do, when a GPU's memory does not suffice.
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
                                             int threads, const WorldSize& room = {});
 

@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "sim/scene/flat_world.h"
-#include "sim/simulation/batch_arrays.h"
 #include "sim/simulation/between_steps.h"
+#include "sim/simulation/layout/batch_arrays.h"
 #include "sim/simulation/simulation.h"
 #include "sim/simulation/step.h"
 

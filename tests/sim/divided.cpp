@@ -2,7 +2,7 @@
 #include "sim/simulation/parts/divided.h"
 
 #include "base/ranks/ranks.h"
-#include "sim/simulation/parts/part.h"
+#include "sim/simulation/layout/part.h"
 #include "sim/simulation/parts/part_lists.h"
 #include "tests/sim/divided_scenes.h"
 #include "tests/support/backends.h"

@@ -11,8 +11,7 @@ std::unique_ptr<Simulation> make_divided_simulation(Backend backend, const Scene
                                                     const StepSettings& settings, int threads, Ranks& ranks) {
   require_backend(backend);
   check_settings(settings);
-  if (is_penalty(settings.contact) ||
-      (settings.iteration != Iteration::apgd && settings.iteration != Iteration::jacobi))
+  if (!can_be_divided(settings))
     throw InputError(std::string("a world cannot be divided for the method ") + name_of(settings.method()) +
                      "; use apgd or jacobi, or one rank");
   if (ranks.count() > kMaxParts)

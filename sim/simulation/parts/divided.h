@@ -10,8 +10,8 @@ namespace gonogo::sim {
 /// live as long as the simulation. `threads`: of this rank.
 /// On the CUDA backend the ranks are threads of one process, each of which has called use_cuda_device(); their GPUs
 /// write into each other's memory. Throws InputError as make_simulation() does, and for a batch of several worlds, for
-/// a method other than `apgd` and `jacobi`, for more than kMaxParts ranks, and for GPUs of several processes. Later,
-/// DeviceError when a rank is lost.
+/// a method other than `apgd` and `jacobi`, for more than kMaxParts ranks, and for GPUs of several processes. Throws
+/// OutOfMemory, in all ranks alike, when a part does not fit into a GPU. Later, DeviceError when a rank is lost.
 std::unique_ptr<Simulation> make_divided_simulation(Backend backend, const SceneWorld& world,
                                                     const StepSettings& settings, int threads, Ranks& ranks);
 std::unique_ptr<Simulation> make_divided_cuda_simulation(FlatWorld world, const StepSettings& settings, Ranks& ranks);

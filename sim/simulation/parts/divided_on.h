@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "sim/simulation/layout/memory.h"
 #include "sim/simulation/parts/divided.h"
 #include "sim/simulation/parts/step_part.h"
 #include "sim/simulation/simulation_on.h"
@@ -19,6 +20,11 @@ struct OwnState {
   std::vector<Impulse> impulse;
 };
 
+/// Bytes of a rank's GPU.
+struct PartMemory {
+  double needed = 0, free = 0;
+};
+
 /// On the GPU a search whose contacts exceed the buffers does nothing more; see PartStepper.
 template <class Exec>
 Exec halting(Exec exec, State<Exec>& s) {
@@ -31,7 +37,7 @@ class DividedSimulation final : public Simulation {
  public:
   DividedSimulation(Exec exec, FlatWorld world, const StepSettings& settings, Ranks& ranks)
       : exec_(exec), settings_(settings), ranks_(ranks), whole_(std::move(world)) {
-    divide(start());
+    divide(start_of(whole_));
   }
 
   void advance(Index count) override {
@@ -186,35 +192,13 @@ class DividedSimulation final : public Simulation {
 
   void replace(WorldIndex, FlatWorld world) override {
     whole_ = std::move(world);
-    divide(start());
+    divide(start_of(whole_));
     stepped_ = false;
   }
 
   const StepSettings& settings() const override { return settings_; }
 
  private:
-  /// The state in which a world enters.
-  Snapshot start() const {
-    Snapshot p;
-    p.world = whole_.world;
-    p.place_of_body = whole_.place_of_body;
-    for (const BodyState& b : whole_.body) {
-      p.position.push_back(b.position);
-      p.orientation.push_back(b.orientation);
-      p.velocity.push_back({b.velocity, 0, b.angular_velocity, 0});
-    }
-    p.contact_begin.resize(whole_.shape.size());
-    p.contact_end.resize(whole_.shape.size());
-    p.motor = whole_.mechanisms.motor;
-    p.motor_impulse.resize(p.motor.size());
-    p.element = {{},
-                 std::vector<ControllerState>(whole_.element.controller.size()),
-                 whole_.element.monitor_state,
-                 std::vector<MonitorSample>(std::size_t(whole_.element.sample_capacity)),
-                 whole_.element.driveline_state};
-    return p;
-  }
-
   /// Gives each rank about as much to do.
   void divide(const Snapshot& at) {
     border_ = borders(whole_, at, ranks_.count());
@@ -224,8 +208,11 @@ class DividedSimulation final : public Simulation {
 
   /// The rank's part, at positions that its halo is found for.
   void build(const Snapshot& at) {
+    stepper_.reset();  // before the new ones ask for memory
+    local_.reset();
     part_ = part_of(whole_, at, border_, ranks_.rank());
     FlatWorld flat = restricted(whole_, part_);
+    check_memory(flat.size(), at);
     const Snapshot local = restricted(at, whole_, part_, flat);
     stepper_.emplace(ranks_, part_, flat);
     std::vector<FlatWorld> alone;
@@ -240,6 +227,21 @@ class DividedSimulation final : public Simulation {
     stepper_->reserve(s, settings_);
     steps_ = at.steps;
     outdated_ = false;
+  }
+
+  /// All ranks throw OutOfMemory when the part of one does not fit into its GPU's free memory.
+  void check_memory(const WorldSize& own, const Snapshot& at) {
+    const std::optional<double> free = free_memory(!std::is_same_v<Exec, Cpu>);
+    if (!free) return;
+    const double needed = device_bytes({own}, settings_, turning_ || needs_turning(whole_.world, settings_));
+    const auto all = joined(ranks_, std::vector<PartMemory>{{needed, *free}});
+    const auto short_of = [](const PartMemory& m) { return m.needed - m.free; };
+    const PartMemory worst = *std::max_element(all.begin(), all.end(),
+                                               [&](const auto& a, const auto& b) { return short_of(a) < short_of(b); });
+    if (short_of(worst) <= 0) return;
+    const int gpus = gpus_that_do(whole_, at, settings_, worst.free);
+    throw OutOfMemory(memory_sentence("the largest of " + std::to_string(ranks_.count()) + " parts of the world",
+                                      worst.needed, worst.free, gpus));
   }
 
   /// Finds the halo anew, or sorts the bodies where they have mixed and divides them anew.

@@ -18,8 +18,6 @@
 
 namespace gonogo::sim {
 
-inline constexpr int kMaxGpus = 8;
-
 /// Memory of one GPU into which the others write; [2]: of even and odd updates.
 struct PartMail {
   Velocity* halo[2] = {nullptr, nullptr};                         // in the order of `received`

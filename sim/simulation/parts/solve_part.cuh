@@ -2,7 +2,7 @@
 #pragma once
 #include "base/parallel/device.h"
 #include "base/ranks/ranks.h"
-#include "sim/simulation/parts/part.h"
+#include "sim/simulation/layout/part.h"
 #include "sim/simulation/parts/part_kernel.cuh"
 #include "sim/simulation/parts/part_lists.h"
 #include "sim/solver/cuda/launch.cuh"

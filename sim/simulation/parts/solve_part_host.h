@@ -1,7 +1,7 @@
 // The iteration of a part on the host: the stages of solve_host.h, with an exchange after each update.
 #pragma once
 #include "base/ranks/ranks.h"
-#include "sim/simulation/parts/part.h"
+#include "sim/simulation/layout/part.h"
 #include "sim/simulation/parts/part_lists.h"
 #include "sim/solver/host_blocks.h"
 #include "sim/solver/solve_host.h"

@@ -2,7 +2,7 @@
 // what that is and why the bits are those of a world in one piece.
 #pragma once
 #include "base/ranks/ranks.h"
-#include "sim/simulation/parts/part.h"
+#include "sim/simulation/layout/part.h"
 #include "sim/simulation/parts/part_lists.h"
 #include "sim/simulation/step.h"
 

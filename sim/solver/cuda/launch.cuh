@@ -82,41 +82,9 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
   iterate<turning, false, in_substeps, method>(views, team, work);
 }
 
-inline bool is_accelerated(Iteration iteration) {
-  return iteration == Iteration::apgd || iteration == Iteration::jacobi;
-}
-
 /// Sizes the buffers for the present capacity. Call before the first step and after buffers have grown.
 inline void reserve_solver(const State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
-  if (is_penalty(settings.contact)) return reserve_penalty(s, own.penalty);
-  if (settings.iteration == Iteration::jacobi_scan) return reserve_scan(s, own.scan, settings);
-  own.frame.resize(s.contact_capacity);
-  own.cone.resize(s.contact_capacity);
-  own.central.resize(s.contact_capacity);
-  own.arms.resize(s.contact_capacity);
-  own.pair.resize(s.contact_capacity);
-  if (settings.substeps > 1 || !is_accelerated(settings.iteration)) own.gap.resize(s.contact_capacity);
-  for (auto& of_contact : own.linear) of_contact.resize(s.contact_capacity);
-  if (s.turning || !is_accelerated(settings.iteration)) {
-    own.turn.resize(s.contact_capacity);
-    for (auto& of_contact : own.angular) of_contact.resize(s.contact_capacity);
-  }
-  own.half.resize(2 * std::size_t(s.contact_capacity));
-  own.of_body.resize(s.body_count);
-  own.hub.resize(s.body_count);
-  own.counter.resize(3);
-  own.tile_sums.resize(tile_capacity(s));
-  own.tile_measures.resize(tile_capacity(s));
-  own.body_tile_measures.resize(s.world_of_body_tile.size());
-  own.other_momentum.resize(s.world_count);
-  own.motor_before.resize(s.mechanisms.motor.size());
-  own.mechanism_slot.resize(s.mechanisms.gathered.size());
-  own.mechanism_gathered.resize(s.mechanisms.gathered.size());
-  if (settings.iteration == Iteration::gauss_seidel) own.colour.resize(s.contact_capacity);
-  if (settings.iteration != Iteration::bb) return;
-  own.velocity_before.resize(s.body_count);
-  own.length.resize(s.world_count);
-  own.spectral_sums.resize(tile_capacity(s));
+  reserve_grid(s, own, settings);
 }
 
 /// One block per multiprocessor, or fewer where there is less work: fewer blocks make a barrier cheaper.

@@ -6,7 +6,9 @@
 #include "base/files/file.h"
 #include "base/progress.h"
 #include "pipeline/campaign/trial/world.h"
+#include "sim/simulation/layout/memory.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
 #include "tests/support/refused.h"
 #include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
@@ -141,6 +143,28 @@ TEST_CASE("a checkpoint of another trial and a damaged one are refused, and left
   refused([&] { (void)run_trial(setup, p, {}, saved); }, "trial.h5");
   write_file_atomically(saved.path, "words");
   refused([&] { (void)run_trial(setup, p, {}, saved); }, "trial.h5");
+}
+
+TEST_CASE("a trial that does not fit into the GPUs is refused before its first step and writes nothing") {
+  const TemporaryFolder folder;
+  const TrialSetup setup = short_setup(0.3);
+  const DesignPoint p = point(5);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialCheckpoint saved{folder / "trial.h5", 0};
+  int samples = 0, frames = 0;
+  TrialWatch watch;
+  watch.sample = [&](const TrialSample&) { ++samples; };
+  watch.frame = [&](const TrialFrame&) { ++frames; };
+  const sim::PlantedMemory small(1e5);
+  for (const int gpus : {1, 2}) try {
+      (void)run_trial(setup, p, watch, saved, {sim::Backend::cpu, 1, gpus});
+      FAIL("it fits");
+    } catch (const OutOfMemory& error) {
+      CHECK(contains(error.what(), gpus == 1 ? "memory: the world needs " : "memory: the largest of 2 parts of the "));
+      CHECK(contains(error.what(), "no number of GPUs of this kind up to 8 would do"));
+    }
+  CHECK((samples == 0 && frames == 0));
+  CHECK(fs::is_empty(folder.path()));
 }
 
 TEST_CASE("nothing is saved before the interval has passed") {

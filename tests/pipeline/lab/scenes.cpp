@@ -14,6 +14,7 @@
 #include "pipeline/lab/scenes/silo.h"
 #include "pipeline/lab/scenes/tank.h"
 #include "pipeline/report/figure/captioned.h"
+#include "sim/simulation/layout/memory.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/refused.h"
@@ -44,6 +45,19 @@ TEST_CASE("a tank laid out from tiles holds the spheres asked for, inside of its
   for (const sim::Stage stage : {sim::Stage::bins, sim::Stage::contacts, sim::Stage::lists, sim::Stage::solve})
     CHECK(r.stages.of(stage) > 0);
   CHECK(r.ns_per_contact_iteration == Approx(r.ms_per_step * 1e6 / (double(r.contacts) * 20)));
+}
+
+TEST_CASE("a tank that does not fit into the GPUs is refused before its first step and writes nothing") {
+  const TemporaryFolder folder;
+  const ManyScene scene = shaken_tank({.of = {.count = 1200}, .layers = 6}, {.iterations = 20});
+  ManyRun run;
+  run.vtk = folder / "frames";
+  const sim::PlantedMemory small(1e5);
+  for (const int gpus : {1, 2}) {
+    run.on.gpus = gpus;
+    CHECK_THROWS_AS(run_many(scene, run), OutOfMemory);
+  }
+  CHECK(std::filesystem::is_empty(folder.path()));
 }
 
 TEST_CASE("every solver is timed in the same tank") {

@@ -4,8 +4,8 @@
 
 #include "sim/constraint/find_contacts.h"
 #include "sim/scene/flat_mechanisms.h"
+#include "sim/scene/flat_world.h"
 #include "sim/scene/penalty_setup.h"
-#include "sim/simulation/simulation.h"
 
 namespace gonogo::sim {
 
@@ -19,6 +19,22 @@ struct Place {
   WorldSize size;
 };
 
+/// Whether a world needs the kernels that turn; only they know softness.
+inline bool needs_turning(const WorldParameters& world, const StepSettings& settings) {
+  bool turning = settings.give > 0;
+  for (const auto& row : world.law)
+    for (const PairLaw& law : row)
+      turning = turning || law.rolling_friction > 0 || law.spinning_friction > 0 || law.stiffness > 0;
+  return turning;
+}
+
+/// Sizes of the places of a batch.
+inline std::vector<WorldSize> places_for(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
+  std::vector<WorldSize> size;
+  for (const FlatWorld& world : worlds) size.push_back(larger(world.size(), room));
+  return size;
+}
+
 template <class Exec>
 struct BatchArrays {
   State<Exec> state;
@@ -28,10 +44,15 @@ struct BatchArrays {
 
   BatchArrays(std::vector<FlatWorld> worlds, const WorldSize& room, const StepSettings& settings)
       : flat(std::move(worlds)), settings_(settings) {
-    state.remembers = is_penalty(settings.contact);
-    lay_out(room);
+    lay_out(places_for(flat, room));
     allocate();
     for (WorldIndex w = 0; w < state.world_count; ++w) write_world(w);
+  }
+
+  /// Places of these sizes without worlds.
+  BatchArrays(const std::vector<WorldSize>& sizes, const StepSettings& settings) : settings_(settings) {
+    lay_out(sizes);
+    allocate();
   }
 
   /// Throws InputError, naming the numbers, when the place is too small.
@@ -70,10 +91,7 @@ struct BatchArrays {
     p.motor_count = Index(flat[w].mechanisms.motor.size());
     state.world.write(w, p);
     if (state.remembers) state.penalty.write(w * kPenaltyPairs, penalty_numbers(*flat[w].scene, settings_));
-    bool turning = state.turning || settings_.give > 0;  // only kernels that turn know softness
-    for (const auto& row : p.law)
-      for (const PairLaw& law : row)
-        turning = turning || law.rolling_friction > 0 || law.spinning_friction > 0 || law.stiffness > 0;
+    const bool turning = state.turning || needs_turning(p, settings_);
     changed = changed || turning != state.turning;
     state.turning = turning;
   }
@@ -94,10 +112,10 @@ struct BatchArrays {
     return moved(flat[w].mechanisms, place[w].mechanisms, w, place[w].body);
   }
 
-  void lay_out(const WorldSize& room) {
+  void lay_out(const std::vector<WorldSize>& sizes) {
     Place next;
-    for (const FlatWorld& world : flat) {
-      next.size = larger(world.size(), room);
+    for (const WorldSize& size : sizes) {
+      next.size = size;
       place.push_back(next);
       next.body += next.size.bodies;
       next.shape += next.size.shapes;
@@ -106,7 +124,7 @@ struct BatchArrays {
       next.mechanisms = next.mechanisms + next.size.mechanisms;
       next.elements = after(next.elements, next.size.elements);
     }
-    state.world_count = Index(flat.size());
+    state.world_count = Index(sizes.size());
     state.body_count = next.body;
     state.shape_count = next.shape;
     state.bin_count = next.bin;
@@ -211,6 +229,7 @@ struct BatchArrays {
   }
 
   void allocate() {
+    state.remembers = is_penalty(settings_.contact);
     for (auto* of_body : {&state.velocity, &state.velocity_change, &state.free_velocity, &state.extrapolated_velocity,
                           &state.substep_velocity, &state.earlier_velocity})
       of_body->fill_zero(state.body_count);

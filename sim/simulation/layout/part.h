@@ -14,6 +14,7 @@
 namespace gonogo::sim {
 
 inline constexpr int kMaxParts = 64;
+inline constexpr int kMaxGpus = 8;  // parts on GPUs
 
 /// Bodies by their index in the part, which keeps the order of the world.
 struct Part {
@@ -26,6 +27,12 @@ struct Part {
 
   BodyIndex own_count() const { return own_end - own_begin; }
 };
+
+/// Whether the method's iteration can be divided.
+bool can_be_divided(const StepSettings& settings);
+
+/// The state in which a world enters.
+Snapshot start_of(const FlatWorld& world);
 
 /// First body of each part, and the number of bodies: [parts + 1]. Parts have about the same number of contacts and
 /// bodies. `at`: present contacts; borders lie between runs of kTileSize bodies.

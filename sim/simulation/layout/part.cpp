@@ -1,4 +1,4 @@
-#include "sim/simulation/parts/part.h"
+#include "sim/simulation/layout/part.h"
 
 #include <algorithm>
 
@@ -128,6 +128,32 @@ void move_elements(FlatElements& e, const std::vector<BodyIndex>& place) {
 }
 
 }  // namespace
+
+bool can_be_divided(const StepSettings& settings) {
+  return !is_penalty(settings.contact) &&
+         (settings.iteration == Iteration::apgd || settings.iteration == Iteration::jacobi);
+}
+
+Snapshot start_of(const FlatWorld& world) {
+  Snapshot p;
+  p.world = world.world;
+  p.place_of_body = world.place_of_body;
+  for (const BodyState& b : world.body) {
+    p.position.push_back(b.position);
+    p.orientation.push_back(b.orientation);
+    p.velocity.push_back({b.velocity, 0, b.angular_velocity, 0});
+  }
+  p.contact_begin.resize(world.shape.size());
+  p.contact_end.resize(world.shape.size());
+  p.motor = world.mechanisms.motor;
+  p.motor_impulse.resize(p.motor.size());
+  p.element = {{},
+               std::vector<ControllerState>(world.element.controller.size()),
+               world.element.monitor_state,
+               std::vector<MonitorSample>(std::size_t(world.element.sample_capacity)),
+               world.element.driveline_state};
+  return p;
+}
 
 std::vector<BodyIndex> borders(const FlatWorld& world, const Snapshot& at, int parts) {
   const auto bodies = BodyIndex(world.body.size());
