@@ -28,11 +28,11 @@ class Campaign:
 
     def run(self, *, workers: int | None = None, places: int | None = None, device: str | None = None,
             trials_per_shard: int = 256, progress: Callable[[int, int], object] | None = None,
-            progress_interval: float = 1.0) -> Dataset:
+            progress_interval: float = 1.0, gpus: int | None = None) -> Dataset:
         """Computes the missing trials and returns the dataset.
 
         workers: processes; None: as the study says, or one per core. places: trials side by side in a worker. device:
-        "cpu" or "cuda". progress(done, trials) is called about every `progress_interval` seconds and at the end. Ctrl-C
+        "cpu" or "cuda". gpus: GPUs that the workers share, which means "cuda"; None: all. progress(done, trials) is called about every `progress_interval` seconds and at the end. Ctrl-C
         keeps what was finished.
         """
         command = [sys.executable, "-m", "gonogo.worker"]
@@ -41,7 +41,8 @@ class Campaign:
         if progress is not None:
             watcher.start()
         try:
-            summary = _core.run_campaign(self.study, os.fspath(self.folder), command, workers, places, device, trials_per_shard)
+            summary = _core.run_campaign(self.study, os.fspath(self.folder), command, workers, places, device, trials_per_shard,
+                                         gpus)
         finally:
             over.set()
             if progress is not None:

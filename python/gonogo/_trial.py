@@ -44,14 +44,18 @@ class Trial:
         return self._trial.step_size
 
     def run(self, *, threads: int = 1, gpu: bool = False, progress: Callable[[float, float], object] | None = None,
-            progress_interval: float = 0.1) -> _core.TrialRecord:
-        """Runs the trial to its end. progress(time, time limit) is called at intervals of simulated time [s]."""
+            progress_interval: float = 0.1, gpus: int | None = None) -> _core.TrialRecord:
+        """Runs the trial to its end.
+
+        gpus: number of GPUs over which the world is divided, with the same bits; None: with gpu=True, as many as pay.
+        progress(time, time limit) is called at intervals of simulated time [s].
+        """
         limit = self._trial.time_limit
         show = None if progress is None else lambda frame: progress(frame.time, limit)
-        self.record = self._trial.run(show, progress_interval, threads, gpu)
+        self.record = self._trial.run(show, progress_interval, threads, gpu, gpus)
         return self.record
 
-    def frames(self, every: float = 0.0, *, threads: int = 1, gpu: bool = False) -> Iterator[_core.Frame]:
+    def frames(self, every: float = 0.0, *, threads: int = 1, gpu: bool = False, gpus: int | None = None) -> Iterator[_core.Frame]:
         """Runs the trial frame by frame: at the start, every so many simulated seconds, and at the end.
 
         every = 0 gives every step. The trial waits while the loop's body runs. `record` is set after the last frame. A
@@ -73,7 +77,7 @@ class Trial:
 
         def run() -> None:
             try:
-                self.record = self._trial.run(hand_over, every or self.step_size, threads, gpu)
+                self.record = self._trial.run(hand_over, every or self.step_size, threads, gpu, gpus)
             except _Left:
                 pass
             except BaseException as error:  # to be raised by the loop

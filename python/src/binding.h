@@ -7,12 +7,14 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "base/json/json.h"
 #include "base/progress.h"
+#include "sim/simulation/layout/part.h"
 #include "sim/simulation/simulation.h"
 #include "vehicle/world/driving.h"
 
@@ -26,6 +28,12 @@ auto long_call(Work&& work) {
   if (getpid() == gettid()) scope.emplace();
   nanobind::gil_scoped_release released;
   return work();
+}
+
+/// Throws InputError for a number of GPUs that no world can be divided over.
+inline void check_gpus(int count) {
+  if (count < 1 || count > sim::kMaxGpus)
+    throw InputError("gpus: " + std::to_string(count) + " given, allowed are 1 to " + std::to_string(sim::kMaxGpus));
 }
 
 /// Arrays of numpy over memory of C++.

@@ -27,12 +27,13 @@ nb::dict counts_of(const campaign::Counts& counts) {
 /// `worker`: the words that start Python with gonogo.worker, in the place of the program and its command.
 Members run_campaign(const std::string& study, const std::string& folder, const std::vector<std::string>& worker,
                      std::optional<int> workers, std::optional<int> places, std::optional<std::string> device,
-                     std::size_t trials_per_shard) {
+                     std::size_t trials_per_shard, std::optional<int> gpus) {
   const campaign::CampaignSummary done = long_call([&] {
     campaign::ComputeRequest compute;
     compute.workers = workers;
     compute.places = places;
     compute.device = device;
+    compute.gpus = gpus;
     campaign::CampaignRequest request = campaign::plan_study_campaign(campaign::read_study(study), folder, compute);
     constexpr std::ptrdiff_t kProgramWords = 3;  // <program> campaign worker
     auto& words = request.worker_command;
@@ -93,7 +94,8 @@ void run_worker(const std::string& study, const std::string& device, int places,
 void bind_campaign(nb::module_& m) {
   using namespace nb::literals;
   m.def("run_campaign", &run_campaign, "study"_a, "folder"_a, "worker"_a, "workers"_a.none(), "places"_a.none(),
-        "device"_a.none(), "trials_per_shard"_a, "Computes what is missing. Returns the summary.");
+        "device"_a.none(), "trials_per_shard"_a, "gpus"_a.none() = nb::none(),
+        "Computes what is missing. Returns the summary.");
   m.def("campaign_status", &status, "folder"_a, "The progress; may be called while a campaign runs.");
   m.def("design", &design, "study"_a, "Points of a study's design [trial_count, variable_count].");
   m.def("run_worker", &run_worker, "study"_a, "device"_a, "places"_a, "gpu"_a, "checkpoints"_a, "checkpoint_every"_a,

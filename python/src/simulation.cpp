@@ -10,6 +10,7 @@
 #include "base/format.h"
 #include "base/units.h"
 #include "python/src/binding.h"
+#include "sim/simulation/parts/divided.h"
 #include "sim/simulation/simulation.h"
 #include "terrain/bed/bed.h"
 
@@ -18,14 +19,21 @@ namespace nb = nanobind;
 namespace gonogo::python {
 namespace {
 
+void check_divisible(const std::vector<sim::SceneWorld>& worlds, int gpus) {
+  check_gpus(gpus);
+  if (gpus > 1 && worlds.size() > 1)
+    throw InputError("gpus: one world is divided over GPUs, and " + std::to_string(worlds.size()) +
+                     " are given; make a simulation of each, or leave gpus out");
+}
+
 /// Worlds by number, checked: the engine trusts its indices.
 class Batch {
  public:
   /// `watched`: says which step was not solved first, and which contact the relaxation opened too far first. Beds of
   /// grains take loose steps on purpose.
   Batch(const std::vector<sim::SceneWorld>& worlds, const sim::StepSettings& settings, int threads, bool gpu,
-        bool watched)
-      : group_(watched && !gpu ? 1 : 10),
+        std::optional<int> gpus, bool watched)
+      : group_(watched && !gpu && !gpus ? 1 : 10),
         watched_(watched),
         relaxed_(watched && settings.target == sim::Target::ccp),
         in_a_row_(worlds.size(), 0) {
@@ -35,7 +43,10 @@ class Batch {
           {Index(w.body.size()), Index(w.motor.size()), Index(w.controller.size()), Index(w.driveline.size())});
       gravity_.push_back(std::sqrt(dot(w.gravity, w.gravity)));
     }
-    simulation_ = sim::make_simulation(gpu ? sim::Backend::cuda : sim::Backend::cpu, worlds, settings, threads);
+    if (gpus) check_divisible(worlds, *gpus);
+    const sim::Backend backend = gpu || gpus ? sim::Backend::cuda : sim::Backend::cpu;
+    simulation_ = gpus > 1 ? sim::make_team_simulation(backend, worlds.front(), settings, *gpus)
+                           : sim::make_simulation(backend, worlds, settings, threads);
   }
 
   sim::Simulation& at(sim::WorldIndex world) {
@@ -193,18 +204,20 @@ void bind_simulation(nb::module_& m) {
           "__init__",
           [](Batch* self, const std::vector<sim::SceneWorld>& worlds, double step, int iterations, double tolerance,
              std::optional<double> grain_diameter, int substeps, int threads, bool gpu,
-             const std::optional<std::string>& target) {
+             const std::optional<std::string>& target, std::optional<int> gpus) {
             const auto settings = settings_of(step, iterations, tolerance, grain_diameter, substeps, target);
-            new (self) Batch(worlds, settings, threads, gpu, !grain_diameter);
+            new (self) Batch(worlds, settings, threads, gpu, gpus, !grain_diameter);
           },
           "worlds"_a, "step"_a = 1e-3, "iterations"_a = 100, "tolerance"_a = 0.0,
           "grain_diameter"_a.none() = nb::none(), "substeps"_a = 1, "threads"_a = 1, "gpu"_a = false,
-          "target"_a.none() = nb::none(),
+          "target"_a.none() = nb::none(), "gpus"_a.none() = nb::none(),
           "Step [s]; max iterations of the solver in a substep; residual at which it stops [m/s]. A grain diameter [m] "
           "sets the tolerances of contacts as beds of such grains need them. target: \"coulomb\", Coulomb's law, or "
           "\"ccp\", the convex relaxation, in which a sliding contact opens at friction x speed. None: coulomb, and "
           "ccp "
-          "for a grain diameter, since the tables of soils are measured with it.")
+          "for a grain diameter, since the tables of soils are measured with it. gpus: number of GPUs over which one "
+          "world is "
+          "divided, with the same bits; None: with gpu, one.")
       .def(
           "step",
           [](Batch& b, Index count) {

@@ -74,12 +74,13 @@ void show(const nb::object& on_frame, const campaign::TrialFrame& frame) {
   on_frame(shown);
 }
 
-campaign::TrialRecord run(const Trial& trial, const nb::object& on_frame, double frame_interval, int threads,
-                          bool gpu) {
+campaign::TrialRecord run(const Trial& trial, const nb::object& on_frame, double frame_interval, int threads, bool gpu,
+                          std::optional<int> gpus) {
   campaign::TrialWatch watch;
   if (!on_frame.is_none()) watch.frame = [&](const campaign::TrialFrame& frame) { show(on_frame, frame); };
   watch.frame_interval = frame_interval;
-  const campaign::TrialDevice device{gpu ? sim::Backend::cuda : sim::Backend::cpu, threads};
+  if (gpus) check_gpus(*gpus);
+  const campaign::TrialDevice device{gpu || gpus ? sim::Backend::cuda : sim::Backend::cpu, threads, gpus.value_or(0)};
   return long_call([&] {
     // Nothing polls the flag while a trial without a checkpoint file runs; its samples come after every look.
     watch.sample = [](const campaign::TrialSample&) { stop_if_cancelled(); };
@@ -179,7 +180,9 @@ void bind_trial(nb::module_& m) {
       .def_prop_ro(
           "time_limit", [](const Trial& t) { return t.setup.park_time + t.setup.time_limit; }, "[s]")
       .def("run", &run, "on_frame"_a.none() = nb::none(), "frame_interval"_a = 0.02, "threads"_a = 1, "gpu"_a = false,
-           "Runs the trial; on_frame(frame) at the start, at intervals [s] and at the end.");
+           "gpus"_a.none() = nb::none(),
+           "Runs the trial, on `gpus` GPUs or, with `gpu`, on as many as pay; on_frame(frame) at the start, at "
+           "intervals [s] and at the end.");
 }
 
 }  // namespace gonogo::python

@@ -140,6 +140,14 @@ def test_threads_and_neighbours_change_no_bit(bed):
     assert np.array_equal(after([bed.world(friction=0.4), bed.world(friction=0.8)], 2), one)
 
 
+def test_gpus_that_cannot_be_used_are_refused():
+    with pytest.raises(gonogo.InputError, match="gpus: 9 given, allowed are 1 to 8"):
+        falling_sphere(gpus=9)
+    world = gonogo.World((4, 4, 4))
+    with pytest.raises(gonogo.InputError, match="one world is divided over GPUs, and 2 are given"):
+        gonogo.Simulation([world, world], gpus=2)
+
+
 def test_a_wheel_drives(root):
     """At full grip the wheel takes the speed that its motor asks for."""
     rig = gonogo.WheelRig.read(str(root / "configs" / "vehicles" / "hmmwv_quarter.json"))

@@ -91,6 +91,19 @@ std::vector<std::string> cuda_device_names() {
   return names;
 }
 
+int linked_gpus() {
+  const int count = int(cuda_device_names().size());
+#ifdef GONOGO_WITH_CUDA
+  for (int k = 1; k < count; ++k)
+    for (int other = 0; other < k; ++other)
+      for (const auto& [from, to] : {std::pair{k, other}, {other, k}}) {
+        int reaches = 0;
+        if (cudaDeviceCanAccessPeer(&reaches, from, to) != cudaSuccess || reaches == 0) return k;
+      }
+#endif
+  return count;
+}
+
 void require_cuda_device() {
 #ifdef GONOGO_WITH_CUDA
   int count = 0;

@@ -174,6 +174,9 @@ double cuda_copy_bandwidth();
 /// Names of the CUDA devices of this machine; empty where there are none and in a build without CUDA.
 std::vector<std::string> cuda_device_names();
 
+/// GPUs 0, 1, ... that reach each other's memory, so that a world can be divided over them.
+int linked_gpus();
+
 /// Throws InputError, saying why, where there is no CUDA device.
 void require_cuda_device();
 

@@ -148,6 +148,10 @@ TEST_CASE("a GPU that is not there is refused before any work") {
   const std::string study = std::string(GONOGO_SOURCE_DIR) + "/configs/studies/demo.json";
   check_refusal(run_gonogo({"campaign", "run", study, "--out", folder / "out", "--device", "cuda"}, none), 2,
                 {"GPU", "--device cpu"});
+  check_refusal(run_gonogo({"campaign", "run", study, "--out", folder / "out", "--gpus", "2"}, none), 2,
+                {"GPU", "--device cpu"});
+  check_refusal(run_gonogo({"campaign", "run", study, "--out", folder / "out", "--gpus", "2", "--device", "cpu"}, none),
+                2, {"a number of GPUs is given, and the device is to be cpu"});
   CHECK(files_below(folder.path()).empty());
   check_refusal(run_gonogo({"bench", "bed", "--backend", "tpu"}), 2, {"--backend", "cpu", "cuda"});
   check_refusal(run_gonogo({"bench", "tank", "--spheres", "7"}), 2, {"--spheres", "100"});

@@ -1,6 +1,7 @@
 // Worlds divided over ranks in threads of this process; divided_mpi.cpp does the same with processes.
 #include "sim/simulation/parts/divided.h"
 
+#include "base/files/file.h"
 #include "base/ranks/ranks.h"
 #include "sim/simulation/layout/part.h"
 #include "sim/simulation/parts/part_lists.h"
@@ -144,6 +145,18 @@ TEST_CASE("a team of threads answers as a world in one piece") {
   // A refusal leaves it as it was.
   CHECK(contains(input_error([&] { team->samples(0, 0, 0, 1000); }), "samples 0 to 1000 of a monitor"));
   CHECK(all_bytes(*team, scene) == whole);
+}
+
+TEST_CASE("a world takes as many GPUs as have enough bodies and are there") {
+  StepSettings settings;
+  CHECK(gpus_that_pay(100, settings, 8) == 1);
+  CHECK(gpus_that_pay(499'999, settings, 8) == 1);
+  CHECK(gpus_that_pay(1'000'000, settings, 8) == 4);
+  CHECK(gpus_that_pay(1'000'000, settings, 2) == 2);
+  CHECK(gpus_that_pay(50'000'000, settings, 16) == 8);
+  CHECK(gpus_that_pay(50'000'000, settings, 0) == 1);
+  settings.iteration = Iteration::bb;
+  CHECK(gpus_that_pay(50'000'000, settings, 8) == 1);
 }
 
 TEST_CASE("a team that cannot be made says why") {

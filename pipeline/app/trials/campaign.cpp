@@ -21,7 +21,7 @@ namespace {
 
 struct CampaignOptions {
   std::string study, folder;
-  int workers = 0, places = 0;
+  int workers = 0, places = 0, gpus = 0;
   std::string device, engine = "local";
   double checkpoint_every = -1;
   std::size_t trials_per_shard = 256;
@@ -36,6 +36,7 @@ campaign::ComputeRequest compute_of(const CampaignOptions& options, const Global
   request.threads = globals.threads;
   if (!options.device.empty()) request.device = options.device;
   if (options.places > 0) request.places = options.places;
+  if (options.gpus > 0) request.gpus = options.gpus;
   if (options.workers > 0) request.workers = options.workers;
   if (options.checkpoint_every >= 0) request.checkpoint_every = options.checkpoint_every;
   return request;
@@ -139,6 +140,9 @@ void add_compute_options(CLI::App& command, CampaignOptions& options) {
   command.add_option("--device", options.device, "Device that computes trials; default: the study's, or cpu")
       ->check(CLI::IsMember({"cpu", "cuda"}));
   command
+      .add_option("--gpus", options.gpus, "Number of GPUs that the workers share; implies --device cuda; default: all")
+      ->check(CLI::Range(1, 64));
+  command
       .add_option("--places", options.places, "Trials side by side in a worker; default: the study's, or 1, on cuda 64")
       ->check(CLI::Range(1, 4096));
   command
@@ -162,7 +166,7 @@ void add_run(CLI::App& parent, const Globals& globals) {
       ->check(CLI::IsMember({"local", "mpi"}))
       ->capture_default_str();
   add_examples(*command, {"gonogo campaign run configs/studies/demo.json --out out/demo --workers 2",
-                          "gonogo campaign run configs/studies/demo.json --out out/demo_gpu --device cuda --places 64",
+                          "gonogo campaign run configs/studies/demo.json --out out/demo_gpu --gpus 2 --places 64",
                           "mpirun -n 4 gonogo campaign run configs/studies/demo.json --out out/demo --engine mpi"});
   command->callback([options, &globals] {
     if (options->engine == "mpi") return run_with_mpi(*options, globals);
@@ -182,6 +186,7 @@ std::vector<std::string> task_command(const CampaignOptions& options) {
                                  "--workers",
                                  std::to_string(options.workers)};
   if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
+  if (options.gpus > 0) words.insert(words.end(), {"--gpus", std::to_string(options.gpus)});
   if (options.places > 0) words.insert(words.end(), {"--places", std::to_string(options.places)});
   if (options.checkpoint_every >= 0)
     words.insert(words.end(), {"--checkpoint-every", std::to_string(options.checkpoint_every)});

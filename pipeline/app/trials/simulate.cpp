@@ -35,11 +35,11 @@ struct SimulateOptions {
   std::string size = "1280x720", colour = "speed";
   bool gpu = false, compliant = false, folded = false, numerics_given = false, wheel_rolling_given = false;
   double wheel_rolling = 1;
-  int gpus = 1;
+  int gpus = 0;  // not given
 };
 
 sim::Backend device_of(const SimulateOptions& options) {
-  return options.gpu || options.gpus > 1 ? sim::Backend::cuda : sim::Backend::cpu;
+  return options.gpu || options.gpus > 0 ? sim::Backend::cuda : sim::Backend::cpu;
 }
 
 /// Values from --slope, --cross-slope and --set in the place of the others.
@@ -257,7 +257,10 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
                     "Bed of two thirds of the track, periodic across, with a third of the grains");
   add_asked_numerics_options(*command, options->numerics, "With --vehicle");
   command->add_flag("--gpu", options->gpu, "Run on the GPU");
-  command->add_option("--gpus", options->gpus, "Number of GPUs over which the world is divided; the same bits")
+  command
+      ->add_option(
+          "--gpus", options->gpus,
+          "Number of GPUs over which the world is divided, with the same bits; default: with --gpu, as many as pay")
       ->check(CLI::Range(1, 8));
   add_named(*command, "--csv", options->csv, kFile, "CSV file for the run step by step");
   add_named(*command, "--checkpoint", options->checkpoint.path, kFile,
@@ -278,6 +281,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
       {"gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30",
        "gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --slope 12 --video out/climb.mp4",
        "gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --trial drawbar",
+       "gonogo simulate configs/studies/viper_32mm.json --gpus 2 --checkpoint out/trial.h5",
        "gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05"});
   command->callback([&globals, options, command] {
     options->numerics_given = numerics_given(*command);

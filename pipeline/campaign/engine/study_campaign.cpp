@@ -105,24 +105,31 @@ ComputeRequest read_compute_section(const Study& study) {
   if (!c) return s;
   if (c->has("device")) s.device = c->choice("device", {"cpu", "cuda"});
   if (c->has("places")) s.places = int(c->integer("places", {1, 4096}));
+  if (c->has("gpus")) s.gpus = int(c->integer("gpus", {1, 64}));
   if (c->has("workers")) s.workers = int(c->integer("workers", {1, 4096}));
   if (c->has("checkpoint_s")) s.checkpoint_every = c->number("checkpoint_s", {0, 1e6});
   c->finish();
   return s;
 }
 
-/// All GPUs that are used must be alike: bits are the same on one kind of device.
-void use_gpus(ComputeSettings& s) {
-  const std::vector<std::string> names = sim::cuda_device_names();
-  if (names.empty())
-    throw InputError("the study is to be computed on a GPU, and this build or machine has none; take --device cpu");
-  for (const std::string& name : names)
-    if (name != names.front())
-      throw InputError("this machine has GPUs of two kinds (" + names.front() + ", " + name +
-                       "), whose results may differ in their last bits; name those to use in CUDA_VISIBLE_DEVICES");
+void use_gpus(ComputeSettings& s, std::optional<int> count) {
+  const std::vector<std::string> names = alike_gpus(sim::cuda_device_names(), count);
   s.device = sim::Backend::cuda;
   s.backend = "cuda, " + names.front();
   s.gpus = int(names.size());
+}
+
+/// A number of GPUs means the device cuda.
+bool names_gpus(const ComputeRequest& r) {
+  if (r.gpus && r.device == "cpu")
+    throw InputError("a number of GPUs is given, and the device is to be cpu; leave one of them out, or take cuda");
+  return r.gpus || r.device == "cuda";
+}
+
+/// The command line's device or number of GPUs, else the study's.
+bool wants_gpus(const ComputeRequest& request, const ComputeRequest& section) {
+  const bool in_study = names_gpus(section);
+  return request.gpus || request.device ? names_gpus(request) : in_study;
 }
 
 /// Throws InputError for numbers out of range, and for a device that this build or machine lacks.
@@ -130,7 +137,7 @@ ComputeSettings read_compute(const Study& study, const ComputeRequest& request) 
   const ComputeRequest section = read_compute_section(study);
   ComputeSettings s;
   s.threads = threads_or_all(request.threads);
-  if (request.device.value_or(section.device.value_or("cpu")) == "cuda") use_gpus(s);
+  if (wants_gpus(request, section)) use_gpus(s, request.gpus ? request.gpus : section.gpus);
   const bool on_gpu = s.gpus > 0;
   const auto chosen = [](const auto& first, const auto& second, auto otherwise) {
     return first ? *first : second.value_or(otherwise);
@@ -173,6 +180,20 @@ void warn_of_other_numerics(const TrialSetup& setup) {
 }
 
 }  // namespace
+
+std::vector<std::string> alike_gpus(std::vector<std::string> names, std::optional<int> count) {
+  if (names.empty())
+    throw InputError("the study is to be computed on a GPU, and this build or machine has none; take --device cpu");
+  if (count && std::size_t(*count) > names.size())
+    throw InputError("the study is to be computed on " + std::to_string(*count) + " GPUs; this machine has " +
+                     std::to_string(names.size()));
+  if (count) names.resize(std::size_t(*count));
+  for (const std::string& name : names)
+    if (name != names.front())
+      throw InputError("this machine has GPUs of two kinds (" + names.front() + ", " + name +
+                       "), whose results may differ in their last bits; name those to use in CUDA_VISIBLE_DEVICES");
+  return names;
+}
 
 void check_study(const Study& study) {
   if (study.vehicle.empty() && !study.config.has("trial") && !study.config.has("soil")) return;

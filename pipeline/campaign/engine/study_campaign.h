@@ -31,9 +31,14 @@ CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& f
 struct ComputeRequest {
   std::optional<std::string> device;  // "cpu" or "cuda"
   std::optional<int> places, workers;
+  std::optional<int> gpus;                 // that the workers share; all without a number. Means device "cuda"
   std::optional<double> checkpoint_every;  // [s]
   int threads = 0;                         // 0: one per core
 };
+
+/// The first `count` GPUs of a machine with these names, or all; they must be alike, because bits are the same on one
+/// kind of device. Throws InputError.
+std::vector<std::string> alike_gpus(std::vector<std::string> names, std::optional<int> count);
 
 /// Refuses a study whose campaign could not start: checks the sections vehicle, soil, trial and compute, where the
 /// study has any of the first three. One with a design alone passes. Throws InputError.

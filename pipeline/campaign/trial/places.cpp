@@ -29,7 +29,7 @@ sim::WorldSize with_margin(sim::WorldSize size) {
 
 Places::Places(sim::Backend backend, const sim::StepSettings& settings, int threads, int count, int gpus)
     : backend_(backend), settings_(settings), threads_(threads), gpus_(gpus) {
-  GONOGO_ASSERT(gpus == 1 || count == 1);
+  GONOGO_ASSERT(gpus <= 1 || count == 1);
   rebuild(std::size_t(count));
 }
 
@@ -65,6 +65,11 @@ void Places::put(sim::WorldIndex place, ReadyWorld ready, const sim::Snapshot* f
   if (from) simulation_->restore(place, *from);
 }
 
+int Places::gpus_for_rooms() const {
+  if (gpus_ > 0 || backend_ != sim::Backend::cuda || world_.size() > 1) return std::max(1, gpus_);
+  return sim::gpus_that_pay(room_.bodies, settings_, sim::linked_gpus());
+}
+
 void Places::rebuild(std::size_t count) {
   std::vector<std::optional<sim::Snapshot>> snapshot(count);
   for (std::size_t p = 0; p < world_.size(); ++p)
@@ -74,8 +79,9 @@ void Places::rebuild(std::size_t count) {
   simulation_.reset();  // before the new one asks for memory
   sim::Scene scene;
   for (const auto& world : world_) scene.push_back(*world);
-  simulation_ = gpus_ > 1 ? sim::make_team_simulation(backend_, scene.at(0), settings_, gpus_)
-                          : sim::make_simulation(backend_, scene, settings_, threads_, room_);
+  const int gpus = gpus_for_rooms();
+  simulation_ = gpus > 1 ? sim::make_team_simulation(backend_, scene.at(0), settings_, gpus)
+                         : sim::make_simulation(backend_, scene, settings_, threads_, room_);
   for (std::size_t p = 0; p < count; ++p)
     if (snapshot[p]) simulation_->restore(sim::WorldIndex(p), *snapshot[p]);
 }

@@ -18,7 +18,7 @@ struct ReadyWorld {
 class Places {
  public:
   /// Starts with `count` places, all free, too small for any world: the first world that enters sets their size. The
-  /// world of a single place may be divided over `gpus`.
+  /// world of a single place may be divided over `gpus`; 0: as many as pay.
   Places(sim::Backend backend, const sim::StepSettings& settings, int threads, int count, int gpus = 1);
 
   /// A free place; there are more of them afterwards where none was left.
@@ -40,6 +40,7 @@ class Places {
 
  private:
   void rebuild(std::size_t count);
+  int gpus_for_rooms() const;
 
   sim::Backend backend_;
   sim::StepSettings settings_;

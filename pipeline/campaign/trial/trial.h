@@ -27,7 +27,7 @@ struct TrialCheckpoint {
 struct TrialDevice {
   sim::Backend backend = sim::Backend::cpu;
   int threads = 1;  // of the cpu backend
-  int gpus = 1;     // over which its world is divided
+  int gpus = 1;     // over which its world is divided; 0: as many as pay
 };
 
 /// Runs one trial, watched and saved. Pure: depends on setup and point alone. A simulation that fails a check is
@@ -41,7 +41,7 @@ struct BatchSettings {
   sim::Backend backend = sim::Backend::cpu;
   int places = 1;   // trials at a time
   int threads = 1;  // of the cpu backend
-  int gpus = 1;     // over which the world of one place is divided
+  int gpus = 1;     // over which the world of one place is divided; 0: as many as pay
 };
 
 /// Whether trials of both may stand in one batch: same grains, step and iterations.

@@ -1,5 +1,7 @@
 #include "sim/simulation/parts/divided.h"
 
+#include <algorithm>
+
 #include "sim/scene/check_scene.h"
 #include "sim/simulation/host_queue.h"
 #include "sim/simulation/parts/divided_on.h"
@@ -26,6 +28,10 @@ std::unique_ptr<Simulation> make_divided_simulation(Backend backend, const Scene
   }
 #endif
   return std::make_unique<DividedSimulation<Cpu>>(Cpu{threads}, std::move(flat), settings, ranks);
+}
+
+int gpus_that_pay(Index bodies, const StepSettings& settings, int gpus) {
+  return can_be_divided(settings) ? std::clamp(int(bodies / kBodiesThatPay), 1, std::clamp(gpus, 1, kMaxGpus)) : 1;
 }
 
 }  // namespace gonogo::sim

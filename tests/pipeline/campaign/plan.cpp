@@ -80,4 +80,13 @@ TEST_CASE("a missing vehicle or design section is one sentence") {
 }
 
 }  // namespace
+TEST_CASE("a campaign takes the GPUs that it asks for if they are there and alike") {
+  const std::vector<std::string> names{"H200", "H200", "A100"};
+  CHECK(alike_gpus(names, 2) == std::vector<std::string>{"H200", "H200"});
+  CHECK(alike_gpus({"A100", "A100"}, std::nullopt).size() == 2);
+  CHECK(contains(input_error([&] { alike_gpus(names, std::nullopt); }), "GPUs of two kinds (H200, A100)"));
+  CHECK(contains(input_error([&] { alike_gpus(names, 4); }), "on 4 GPUs; this machine has 3"));
+  CHECK(contains(input_error([&] { alike_gpus({}, 1); }), "this build or machine has none; take --device cpu"));
+}
+
 }  // namespace gonogo::campaign
