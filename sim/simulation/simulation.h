@@ -51,6 +51,12 @@ struct BodiesOnDevice {
   int gpu = -1;  // number of the CUDA device; -1: the host's memory
 };
 
+/// What a rank or GPU has of a divided world.
+struct PartShare {
+  Index bodies = 0, contacts = 0;  // its own; contacts of the latest step
+  double load = 0;                 // share of all bodies and contacts, which borders balance
+};
+
 class Simulation {
  public:
   virtual ~Simulation() = default;
@@ -114,6 +120,9 @@ class Simulation {
   virtual void replace(WorldIndex place, FlatWorld world) = 0;
 
   virtual const StepSettings& settings() const = 0;
+
+  /// By part; empty for worlds in one piece.
+  virtual std::vector<PartShare> shares() { return {}; }
 };
 
 /// Throws InputError for a backend that this program was built without or that this machine lacks.

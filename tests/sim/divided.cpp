@@ -147,6 +147,31 @@ TEST_CASE("a team of threads answers as a world in one piece") {
   CHECK(all_bytes(*team, scene) == whole);
 }
 
+TEST_CASE("the shares of a divided world are all of its bodies and contacts in about equal loads") {
+  const DividedScene scene = divided_scene("tank");
+  const auto whole = make_simulation(Backend::cpu, {scene.world}, scene.settings, 1);
+  CHECK(whole->shares().empty());
+  const auto team = make_team_simulation(Backend::cpu, scene.world, scene.settings, 3);
+  take_steps(*team, scene, 0, 30);
+  const std::vector<PartShare> shares = team->shares();
+  REQUIRE(shares.size() == 3);
+  Index bodies = 0, contacts = 0;
+  double load = 0;
+  for (const PartShare& s : shares) {
+    bodies += s.bodies;
+    contacts += s.contacts;
+    load += s.load;
+    CHECK(s.load > 0.1);
+    CHECK(s.load < 0.6);
+  }
+  CHECK(bodies == Index(scene.world.body.size()));
+  CHECK(contacts == team->report(0).contact_count);
+  CHECK(load == Approx(1));
+  CHECK(loads_text({{10, 30, 0.4}, {20, 40, 0.6}}) == "load of the GPUs 40 60 %");
+  CHECK(shares_text({{10, 30, 0.4}, {20, 40, 0.6}}) ==
+        "GPU 0: 10 bodies, 30 contacts, 40.0 % of the load; GPU 1: 20 bodies, 40 contacts, 60.0 % of the load");
+}
+
 TEST_CASE("a world takes as many GPUs as have enough bodies and are there") {
   StepSettings settings;
   CHECK(gpus_that_pay(100, settings, 8) == 1);

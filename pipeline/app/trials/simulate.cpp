@@ -19,6 +19,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/inspect/trial_film.h"
 #include "pipeline/inspect/vehicle_report.h"
+#include "sim/simulation/parts/divided.h"
 
 namespace gonogo::app {
 namespace {
@@ -104,9 +105,12 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
     csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
     film.start();
   };
+  std::vector<sim::PartShare> shares;  // of the GPUs
+  watch.shares = [&](const std::vector<sim::PartShare>& now) { shares = now; };
   watch.sample = [&](const campaign::TrialSample& s) {
     csv += csv_line(s);
-    progress.update(std::min(++taken, steps), line("%.2f m after %.1f s", s.x, s.time));
+    const std::string loads = shares.empty() ? "" : ", " + sim::loads_text(shares);
+    progress.update(std::min(++taken, steps), line("%.2f m after %.1f s", s.x, s.time) + loads);
   };
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const campaign::TrialFrame& frame) { film.add(frame); };
@@ -114,6 +118,7 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
   const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads), options.gpus};
   campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
   progress.finish();
+  if (!shares.empty()) log_line("trial", sim::shares_text(shares));
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);
   return record;

@@ -31,9 +31,16 @@ void TrialWatcher::begin_drive(const RunningWorld& now) {
 }
 
 void TrialWatcher::look(const RunningWorld& now, bool stopped) {
+  show_shares(now);
   show_samples(now);
   if (stopped || now.step >= next_frame()) show_frame(now);
   if (!stopped) remember(now);
+}
+
+void TrialWatcher::show_shares(const RunningWorld& now) {
+  if (!watch_.shares) return;
+  const std::vector<sim::PartShare> shares = now.simulation.shares();
+  if (!shares.empty()) watch_.shares(shares);
 }
 
 Index TrialWatcher::next_look(Index step) const { return replay_to_ > step ? replay_to_ : next_frame(); }

@@ -32,10 +32,11 @@ struct TrialFrame {
 
 /// Observers of a trial. Watching does not change its bits.
 struct TrialWatch {
-  std::function<void()> start;                   // before each attempt: drop what an earlier one showed
-  TrialObserver sample;                          // after every step
-  std::function<void(const TrialFrame&)> frame;  // at the start, at intervals, and at the end
-  double frame_interval = 0.02;                  // [s]
+  std::function<void()> start;  // before each attempt: drop what an earlier one showed
+  TrialObserver sample;         // after every step
+  std::function<void(const std::vector<sim::PartShare>&)> shares;  // of a divided world, before samples are shown
+  std::function<void(const TrialFrame&)> frame;                    // at the start, at intervals, and at the end
+  double frame_interval = 0.02;                                    // [s]
 };
 
 /// A world of a batch while a trial runs in it.
@@ -70,6 +71,7 @@ class TrialWatcher {
   Index next_frame() const;
   void pass_due_frames(Index step);
   void remember(const RunningWorld& now);
+  void show_shares(const RunningWorld& now);
   void show_samples(const RunningWorld& now);
   void show_frame(const RunningWorld& now);
   /// Means over the driven wheels; sinkage over all that touch the ground.

@@ -21,6 +21,10 @@ std::unique_ptr<Simulation> make_divided_cuda_simulation(FlatWorld world, const 
 std::unique_ptr<Simulation> make_team_simulation(Backend backend, const SceneWorld& world, const StepSettings& settings,
                                                  int parts);
 
+/// "load of the GPUs 26 24 25 25 %", and "GPU 0: 1200 bodies, 4100 contacts, 26.1 % of the load; GPU 1: ...".
+std::string loads_text(const std::vector<PartShare>& shares);
+std::string shares_text(const std::vector<PartShare>& shares);
+
 /// Bodies of a GPU's share that pay for its messages: 1 M over four GPUs is the smallest world that was seen to gain.
 inline constexpr Index kBodiesThatPay = 250'000;
 

@@ -198,6 +198,18 @@ class DividedSimulation final : public Simulation {
 
   const StepSettings& settings() const override { return settings_; }
 
+  std::vector<PartShare> shares() override {
+    const auto& count = stepper_->contacts().count;  // empty before the part's first step
+    std::vector<PartShare> all;
+    double sum = 0;
+    for (std::size_t p = 0; p + 1 < border_.size(); ++p) {
+      all.push_back({border_[p + 1] - border_[p], count.empty() ? 0 : count[p][0]});
+      sum += double(all[p].bodies) + double(all[p].contacts);
+    }
+    for (PartShare& s : all) s.load = (double(s.bodies) + double(s.contacts)) / sum;
+    return all;
+  }
+
  private:
   /// Gives each rank about as much to do.
   void divide(const Snapshot& at) {

@@ -4,6 +4,7 @@
 #include <mutex>
 #include <thread>
 
+#include "base/format.h"
 #include "sim/simulation/parts/divided.h"
 
 namespace gonogo::sim {
@@ -229,6 +230,9 @@ class TeamSimulation final : public Simulation {
     each([&](Simulation& s) { s.replace(w, world); });
   }
   const StepSettings& settings() const override { return settings_; }
+  std::vector<PartShare> shares() override {
+    return first([](Simulation& s) { return s.shares(); });
+  }
 
  private:
   StepSettings settings_;
@@ -236,6 +240,20 @@ class TeamSimulation final : public Simulation {
 };
 
 }  // namespace
+
+std::string loads_text(const std::vector<PartShare>& shares) {
+  std::string text = "load of the GPUs";
+  for (const PartShare& s : shares) text += line(" %.0f", 100 * s.load);
+  return text + " %";
+}
+
+std::string shares_text(const std::vector<PartShare>& shares) {
+  std::string text;
+  for (std::size_t k = 0; k < shares.size(); ++k)
+    text += line("%sGPU %d: %d bodies, %d contacts, %.1f %% of the load", k > 0 ? "; " : "", int(k), shares[k].bodies,
+                 shares[k].contacts, 100 * shares[k].load);
+  return text;
+}
 
 std::unique_ptr<Simulation> make_team_simulation(Backend backend, const SceneWorld& world, const StepSettings& settings,
                                                  int parts) {

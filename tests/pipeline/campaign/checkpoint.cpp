@@ -167,6 +167,24 @@ TEST_CASE("a trial that does not fit into the GPUs is refused before its first s
   CHECK(fs::is_empty(folder.path()));
 }
 
+TEST_CASE("a divided trial shows the shares of its parts and one in one piece shows none") {
+  const TrialSetup setup = short_setup(0.1);
+  const DesignPoint p = point(5);
+  prepare_trials(setup, {&p, 1}, 1);
+  for (const int parts : {1, 2}) {
+    std::size_t shown = 0, bodies = 0;
+    TrialWatch watch;
+    watch.frame = [&](const TrialFrame& frame) { bodies = frame.world.body.size(); };
+    watch.shares = [&](const std::vector<sim::PartShare>& shares) {
+      ++shown;
+      REQUIRE(shares.size() == 2);
+      CHECK(std::size_t(shares[0].bodies + shares[1].bodies) == bodies);
+    };
+    (void)run_trial(setup, p, watch, {}, {sim::Backend::cpu, 1, parts});
+    CHECK((shown > 0) == (parts == 2));
+  }
+}
+
 TEST_CASE("nothing is saved before the interval has passed") {
   const TemporaryFolder folder;
   const TrialSetup setup = short_setup(0.3);
