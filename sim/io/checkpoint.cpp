@@ -358,7 +358,7 @@ std::string scene_hash(const SceneWorld& world, const StepSettings& settings) {
   return content_hash(b.text());
 }
 
-void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string& scene) {
+std::string store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string& scene) {
   out.group(kGroup);
   out.attribute(kGroup, "format", kFormat);
   out.attribute(kGroup, "version", kVersion);
@@ -369,10 +369,12 @@ void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string
   store_world(store, snapshot);
   store_motors(store, snapshot);
   store_monitors(store, snapshot);
-  out.attribute(kGroup, "content", store.hash());
+  const std::string content = store.hash();
+  out.attribute(kGroup, "content", content);
+  return content;
 }
 
-Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
+Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene, std::string* content) {
   check_head(in, scene);
   Snapshot s;
   Load load(in);
@@ -383,6 +385,7 @@ Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
   load_monitors(load, s);
   if (in.text_attribute(kGroup, "content") != load.hash())
     in.fail(kGroup, "its numbers were altered; remove the file and start from the beginning");
+  if (content) *content = load.hash();
   return s;
 }
 

@@ -20,8 +20,8 @@ void save_checkpoint(const std::filesystem::path& path, const Snapshot& snapshot
 /// Reads a checkpoint of this scene; throws InputError as said above.
 Snapshot load_checkpoint(const std::filesystem::path& path, const std::string& scene);
 
-/// The same as part of a file that holds more.
-void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string& scene);
-Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene);
+/// The same as part of a file that holds more. The hash of its arrays is returned, or put into `content`.
+std::string store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string& scene);
+Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene, std::string* content = nullptr);
 
 }  // namespace gonogo::sim

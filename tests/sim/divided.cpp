@@ -1,8 +1,12 @@
 // Worlds divided over ranks in threads of this process; divided_mpi.cpp does the same with processes.
 #include "sim/simulation/parts/divided.h"
 
+#include <filesystem>
+
 #include "base/files/file.h"
 #include "base/ranks/ranks.h"
+#include "sim/io/checkpoint.h"
+#include "sim/io/part_files.h"
 #include "sim/simulation/layout/part.h"
 #include "sim/simulation/parts/part_lists.h"
 #include "tests/sim/divided_scenes.h"
@@ -10,12 +14,15 @@
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::sim;
 using namespace gonogo::test;
 
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr Index kSteps = 200;
 
@@ -70,6 +77,64 @@ TEST_CASE("a snapshot of a divided world is that of one in one piece, and contin
     const std::string bytes = all_bytes(*simulation, scene);
     if (ranks.rank() == 1 && bytes != expected) throw DeviceError("other bits");
   });
+}
+
+TEST_CASE("a checkpoint by parts continues over any number of ranks with the bits of a world in one piece") {
+  const DividedScene scene = divided_scene("wheel");
+  constexpr Index kHalf = 40;
+  const std::string hash = scene_hash(scene.world, scene.settings), expected = in_one_piece(scene, 2 * kHalf);
+  const auto rest = [&](Simulation& simulation, const Snapshot& half) {
+    simulation.restore(0, half);
+    take_steps(simulation, scene, kHalf, kHalf);
+    return all_bytes(simulation, scene);
+  };
+  for (const int writers : {1, 2, 3}) {
+    const TemporaryFolder folder;
+    run_in_threads(writers, [&](Ranks& ranks) {
+      const auto simulation = make_divided_simulation(Backend::cpu, scene.world, scene.settings, 1, ranks);
+      for (const Index steps : {kHalf / 2, kHalf / 2}) {
+        take_steps(*simulation, scene, simulation->snapshot(0).steps, steps);
+        save_checkpoint_by_parts(folder / "half.h5", *in_parts(*simulation), hash, ranks.rank() == 0);
+      }
+    });
+    CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1 + writers);
+    const Snapshot half = read_parts(Hdf5Reader(folder / "half.h5"), hash);
+    CHECK(half.steps == kHalf);
+    CHECK(rest(*make_simulation(Backend::cpu, {scene.world}, scene.settings, 1), half) == expected);
+    for (const int readers : {2, 3}) {
+      CAPTURE(writers, readers);
+      CHECK(rest(*make_team_simulation(Backend::cpu, scene.world, scene.settings, readers), half) == expected);
+    }
+  }
+}
+
+TEST_CASE("parts that no checkpoint names do not count and those that are missing or of another time are refused") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "trial.h5";
+  const DividedScene scene = divided_scene("tank");
+  const std::string hash = scene_hash(scene.world, scene.settings);
+  const auto team = make_team_simulation(Backend::cpu, scene.world, scene.settings, 2);
+  InParts& parts = *in_parts(*team);
+  CHECK(in_parts(*make_simulation(Backend::cpu, {scene.world}, scene.settings, 1)) == nullptr);
+  team->advance(10);
+  save_checkpoint_by_parts(file, parts, hash, true);
+  team->advance(10);
+  const std::vector<std::string> later = write_parts(file, parts, hash);  // and here it was killed
+  CHECK(read_parts(Hdf5Reader(file), hash).steps == 10);
+  for (const char* other : {"trial.h5.part0", "trial.h5.notes.part1", "other.h5"})
+    write_file_atomically(folder / other, "kept");
+  CHECK(contains(input_error([&] { read_parts(Hdf5Reader(file), "another"); }), "belongs to another scene"));
+  const std::vector<std::string> named = Hdf5Reader(file).texts("parts/file");
+  REQUIRE((named.size() == 2 && later.size() == 2 && named[1] != later[1]));
+  fs::copy_file(folder / later[1], folder / named[1], fs::copy_options::overwrite_existing);
+  CHECK(contains(input_error([&] { read_parts(Hdf5Reader(file), hash); }), "is another part than "));
+  remove_parts_but(named, file);
+  for (const std::string& name : later) CHECK_FALSE(fs::exists(folder / name));
+  for (const char* other : {"trial.h5", "trial.h5.part0", "trial.h5.notes.part1", "other.h5"})
+    CHECK(fs::exists(folder / other));
+  CHECK((fs::exists(folder / named[0]) && fs::exists(folder / named[1])));
+  fs::remove(folder / named[1]);
+  CHECK(contains(input_error([&] { read_parts(Hdf5Reader(file), hash); }), named[1]));
 }
 
 TEST_CASE("bodies that are set, laws and motors that change act in all parts") {

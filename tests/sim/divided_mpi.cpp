@@ -1,6 +1,7 @@
 // A world divided over the processes of an MPI job, under a real mpirun.
 #include "base/files/file.h"
 #include "sim/io/checkpoint.h"
+#include "sim/io/part_files.h"
 #include "tests/fault/shell.h"
 #include "tests/sim/divided_scenes.h"
 #include "tests/support/catch.h"
@@ -47,19 +48,25 @@ TEST_CASE("1, 2, 3 and 4 processes give the bits of a world in one piece after 2
 TEST_CASE("a checkpoint of two processes continues on one and on three with the same bits") {
   const TemporaryFolder folder;
   const DividedScene scene = divided_scene("tank");
-  const std::string file = (folder / "half.h5").string(), half = std::to_string(kHalf);
-  const ShellEnding first = mpirun(2, "tank 0 " + half + " - " + file);
-  CAPTURE(first.output);
-  REQUIRE(first.status == 0);
-  const auto through = in_one_piece(scene), resumed = in_one_piece(scene);
+  const std::string half = std::to_string(kHalf), hash = sim::scene_hash(scene.world, scene.settings);
+  const auto through = in_one_piece(scene);
   take_steps(*through, scene, 0, kSteps);
   const std::string expected = md5(all_bytes(*through, scene));
-  resumed->restore(0, sim::load_checkpoint(file, sim::scene_hash(scene.world, scene.settings)));
-  take_steps(*resumed, scene, kHalf, kSteps - kHalf);
-  CHECK(md5(all_bytes(*resumed, scene)) == expected);
-  const ShellEnding rest = mpirun(3, "tank " + half + " " + half + " " + file);
-  CAPTURE(rest.output);
-  CHECK(contains(rest.output, expected + " of 3 ranks"));
+  for (const char* name : {"half.h5", "parts.h5"}) {
+    const std::string file = (folder / name).string();
+    const ShellEnding first = mpirun(2, "tank 0 " + half + " - " + file);
+    CAPTURE(name, first.output);
+    REQUIRE(first.status == 0);
+    const Hdf5Reader in(file);
+    REQUIRE(sim::has_parts(in) == (std::string(name) == "parts.h5"));
+    const auto resumed = in_one_piece(scene);
+    resumed->restore(0, sim::has_parts(in) ? sim::read_parts(in, hash) : sim::read_snapshot(in, hash));
+    take_steps(*resumed, scene, kHalf, kSteps - kHalf);
+    CHECK(md5(all_bytes(*resumed, scene)) == expected);
+    const ShellEnding rest = mpirun(3, "tank " + half + " " + half + " " + file);
+    CAPTURE(rest.output);
+    CHECK(contains(rest.output, expected + " of 3 ranks"));
+  }
 }
 
 TEST_CASE("a lost process ends the job with its sentence") {

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "pipeline/campaign/trial/trial_run.h"
+#include "sim/io/part_files.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -92,7 +93,10 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const T
     throw DeviceError(std::string(error.what()) + "; the same command, on fewer GPUs perhaps, goes on from " +
                       checkpoint.path.string());
   }
-  if (!checkpoint.path.empty()) std::filesystem::remove(checkpoint.path);
+  if (!checkpoint.path.empty()) {
+    std::filesystem::remove(checkpoint.path);
+    sim::remove_parts_but({}, checkpoint.path);
+  }
   return ended.front();
 }
 

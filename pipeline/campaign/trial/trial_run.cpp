@@ -4,12 +4,14 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 
 #include "base/error.h"
 #include "base/format.h"
 #include "base/hdf5/hdf5.h"
 #include "base/progress.h"
 #include "sim/io/checkpoint.h"
+#include "sim/io/part_files.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -32,8 +34,9 @@ Clock::time_point in_seconds(double seconds) {
 struct RunState {
   std::uint64_t attempt = 1;
   std::string bed_scene, scene;
-  const TiltedBed* bed = nullptr;  // at the end of the first phase; null during it
-  sim::Snapshot world;
+  const TiltedBed* bed = nullptr;      // at the end of the first phase; null during it
+  std::optional<sim::Snapshot> world;  // none where it is divided:
+  std::vector<std::string> parts;      // names of the files with its parts
 };
 
 /// Writes the file, whole or not at all.
@@ -52,7 +55,10 @@ void save_run(const std::filesystem::path& path, const RunState& state) {
     out.attribute(kGrains, "columns",
                   std::vector<std::string>{"x [m]", "y [m]", "z [m]", "orientation w", "x", "y", "z"});
   }
-  sim::store_snapshot(out, state.world, state.scene);
+  if (state.world)
+    sim::store_snapshot(out, *state.world, state.scene);
+  else
+    sim::store_parts(out, state.parts);
   out.save(path);
 }
 
@@ -95,7 +101,10 @@ class SavedRun {
     return bed;
   }
 
-  sim::Snapshot world(const std::string& scene) const { return sim::read_snapshot(in_, scene); }
+  sim::Snapshot world(const std::string& scene) const {
+    return by_parts() ? sim::read_parts(in_, scene) : sim::read_snapshot(in_, scene);
+  }
+  bool by_parts() const { return sim::has_parts(in_); }
 
  private:
   Hdf5Reader in_;
@@ -117,6 +126,7 @@ TrialRun::TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch
   try {
     saved_ = std::make_unique<SavedRun>(checkpoint_.path);
     record_.attempts = saved_->attempt();
+    has_parts_ = saved_->by_parts();
   } catch (const InputError& error) {
     set_aside(error.what());
   }
@@ -291,11 +301,14 @@ void TrialRun::save_when_due(bool at_once) {
   if (bed_scene_.empty()) bed_scene_ = scene_of(bed_alone(setup_, packing_, conditions_));
   if (scene_.empty()) scene_ = scene_of(*world_);
   const TiltedBed* bed = phase_ == Phase::bed ? nullptr : &bed_;
-  save_run(checkpoint_.path, {.attempt = attempt(),
-                              .bed_scene = bed_scene_,
-                              .scene = scene_,
-                              .bed = bed,
-                              .world = simulation().snapshot(place_)});
+  RunState state{.attempt = attempt(), .bed_scene = bed_scene_, .scene = scene_, .bed = bed, .world = {}, .parts = {}};
+  if (sim::InParts* const divided = sim::in_parts(simulation()))
+    state.parts = sim::write_parts(checkpoint_.path, *divided, scene_);
+  else
+    state.world = simulation().snapshot(place_);
+  save_run(checkpoint_.path, state);
+  if (has_parts_ || !state.world) sim::remove_parts_but(state.parts, checkpoint_.path);
+  has_parts_ = !state.world;
   next_save_ = in_seconds(checkpoint_.every);
 }
 

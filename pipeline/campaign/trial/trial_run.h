@@ -96,6 +96,7 @@ class TrialRun {
   terrain::Packing packing_;
   std::unique_ptr<SavedRun> saved_;  // until the first attempt has entered a place
   std::chrono::steady_clock::time_point next_save_;
+  bool has_parts_ = false;  // the checkpoint names files of parts
 
   // The attempt under way.
   double step_s_ = 0;  // length of a step [s]

@@ -1,9 +1,25 @@
 // One world divided over ranks, each of which simulates a part of it (part.h).
 #pragma once
+#include <functional>
+
 #include "base/ranks/ranks.h"
 #include "sim/simulation/simulation.h"
 
 namespace gonogo::sim {
+
+/// The parts of a divided world. What the makers below return is one.
+class InParts {
+ public:
+  /// In: the state of a part's own bodies and their contacts, by indices of the world; the first part holds the rest.
+  using Work = std::function<std::string(const Snapshot& own, int part)>;
+  virtual ~InParts() = default;
+
+  /// Calls `work` for each part, in its rank or thread. Returns what all of them returned, by part.
+  virtual std::vector<std::string> each_part(const Work& work) = 0;
+};
+
+/// The same object as InParts, or null for worlds in one piece.
+inline InParts* in_parts(Simulation& simulation) { return dynamic_cast<InParts*>(&simulation); }
 
 /// This rank's view of the whole world, which takes the same steps, bit for bit, as one that make_simulation() makes.
 /// All ranks call the same functions with the same arguments in the same order, and get the same answers. `ranks` must

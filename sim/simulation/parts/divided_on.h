@@ -33,7 +33,7 @@ Exec halting(Exec exec, State<Exec>& s) {
 }
 
 template <class Exec>
-class DividedSimulation final : public Simulation {
+class DividedSimulation final : public Simulation, public InParts {
  public:
   DividedSimulation(Exec exec, FlatWorld world, const StepSettings& settings, Ranks& ranks)
       : exec_(exec), settings_(settings), ranks_(ranks), whole_(std::move(world)) {
@@ -158,25 +158,25 @@ class DividedSimulation final : public Simulation {
   }
 
   Snapshot snapshot(WorldIndex) override {
-    Snapshot p = local_->snapshot(0);
-    const OwnState mine = own_state(p);
-    p.world = whole_.world;
+    Snapshot p = own_snapshot();
     p.place_of_body = whole_.place_of_body;
-    p.fault = fault();
-    p.motor = whole_.mechanisms.motor;
-    p.position = joined(ranks_, mine.position);
-    p.orientation = joined(ranks_, mine.orientation);
-    p.velocity = joined(ranks_, mine.velocity);
-    p.key = joined(ranks_, mine.key);
-    p.impulse = joined(ranks_, mine.impulse);
-    p.contact_begin.clear();
-    p.contact_end.clear();
-    Index at = 0;
-    for (const Index count : joined(ranks_, mine.contacts)) {
-      p.contact_begin.push_back(at);
-      p.contact_end.push_back(at += count);
-    }
+    p.position = joined(ranks_, p.position);
+    p.orientation = joined(ranks_, p.orientation);
+    p.velocity = joined(ranks_, p.velocity);
+    p.key = joined(ranks_, p.key);
+    p.impulse = joined(ranks_, p.impulse);
+    std::vector<Index> counts;
+    for (std::size_t i = 0; i < p.contact_end.size(); ++i) counts.push_back(p.contact_end[i] - p.contact_begin[i]);
+    set_contacts(p, joined(ranks_, std::move(counts)));
     return p;
+  }
+
+  std::vector<std::string> each_part(const Work& work) override {
+    const std::string mine = work(own_snapshot(), ranks_.rank());
+    std::vector<std::string> all;
+    for (const std::vector<char>& text : gathered(ranks_, std::vector<char>(mine.begin(), mine.end())))
+      all.emplace_back(text.begin(), text.end());
+    return all;
   }
 
   void restore(WorldIndex, const Snapshot& from) override {
@@ -299,6 +299,34 @@ class DividedSimulation final : public Simulation {
     PackedFault first = fault_;
     for (const PackedFault part : joined(ranks_, std::vector<PackedFault>{packed(mine)})) first = std::min(first, part);
     return unpacked(first);
+  }
+
+  /// As InParts says.
+  Snapshot own_snapshot() {
+    Snapshot p = local_->snapshot(0);
+    OwnState mine = own_state(p);
+    p.world = whole_.world;
+    p.place_of_body = ranks_.rank() == 0 ? whole_.place_of_body : std::vector<BodyIndex>{};
+    p.fault = fault();
+    p.motor = whole_.mechanisms.motor;
+    p.position = std::move(mine.position);
+    p.orientation = std::move(mine.orientation);
+    p.velocity = std::move(mine.velocity);
+    p.key = std::move(mine.key);
+    p.impulse = std::move(mine.impulse);
+    set_contacts(p, mine.contacts);
+    return p;
+  }
+
+  /// `counts`: by shape, one after the other.
+  static void set_contacts(Snapshot& p, const std::vector<Index>& counts) {
+    p.contact_begin.clear();
+    p.contact_end.clear();
+    Index at = 0;
+    for (const Index count : counts) {
+      p.contact_begin.push_back(at);
+      p.contact_end.push_back(at += count);
+    }
   }
 
   OwnState own_state(const Snapshot& local) const {

@@ -126,7 +126,7 @@ class Team {
 };
 
 /// The whole world, as the one thread of its user sees it.
-class TeamSimulation final : public Simulation {
+class TeamSimulation final : public Simulation, public InParts {
   template <class Act>
   void each(const Act& act) {
     team_.do_all([&](Simulation& s, bool) { act(s); });
@@ -230,6 +230,9 @@ class TeamSimulation final : public Simulation {
     each([&](Simulation& s) { s.replace(w, world); });
   }
   const StepSettings& settings() const override { return settings_; }
+  std::vector<std::string> each_part(const Work& work) override {
+    return first([&](Simulation& s) { return in_parts(s)->each_part(work); });
+  }
   std::vector<PartShare> shares() override {
     return first([](Simulation& s) { return s.shares(); });
   }
