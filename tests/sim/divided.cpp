@@ -1,12 +1,14 @@
 // Worlds divided over ranks in threads of this process; divided_mpi.cpp does the same with processes.
 #include "sim/simulation/parts/divided.h"
 
+#include <atomic>
 #include <filesystem>
 
 #include "base/files/file.h"
 #include "base/ranks/ranks.h"
 #include "sim/io/checkpoint.h"
 #include "sim/io/part_files.h"
+#include "sim/simulation/layout/memory.h"
 #include "sim/simulation/layout/part.h"
 #include "sim/simulation/parts/part_lists.h"
 #include "tests/sim/divided_scenes.h"
@@ -167,6 +169,47 @@ TEST_CASE("a rank that fails ends the others, and its own trouble is reported") 
     joined(ranks, std::vector<int>{1});
   };
   CHECK_THROWS_WITH(run_in_threads(3, work), "the third is lost");
+}
+
+TEST_CASE("a part that fails in the middle of a step ends the others with its sentence") {
+  /// Ranks of which the second loses its device.
+  struct Losing final : Ranks {
+    explicit Losing(Ranks& of) : all(of) {}
+    int rank() const override { return all.rank(); }
+    int count() const override { return all.count(); }
+    bool share_memory() const override { return all.share_memory(); }
+    void exchange(std::span<const Letter> sent, std::span<const Letter> received) override {
+      if (rank() == 1 && --left == 0) throw DeviceError("CUDA solver: the device fell off the bus");
+      all.exchange(sent, received);
+    }
+    Ranks& all;
+    int left = 400;
+  };
+  const DividedScene scene = divided_scene("tank");
+  std::atomic<int> taken{0};
+  const auto work = [&](Ranks& of) {
+    Losing ranks(of);
+    const auto simulation = make_divided_simulation(Backend::cpu, scene.world, scene.settings, 1, ranks);
+    for (int k = 0; k < 100; ++k) {
+      simulation->advance(1);
+      if (ranks.rank() == 0) ++taken;
+    }
+  };
+  CHECK_THROWS_WITH(run_in_threads(3, work), "CUDA solver: the device fell off the bus");
+  CHECK(taken > 0);
+  CHECK(taken < 100);
+}
+
+TEST_CASE("a team whose parts fail is over and says so again") {
+  DividedScene scene = divided_scene("tank");
+  scene.settings.sort_every = 10;  // then the world is divided anew
+  const auto team = make_team_simulation(Backend::cpu, scene.world, scene.settings, 3);
+  team->advance(5);
+  {
+    const PlantedMemory small(1e4);
+    CHECK_THROWS_AS(team->advance(10), OutOfMemory);
+  }
+  CHECK_THROWS_AS(team->advance(1), OutOfMemory);
 }
 
 TEST_CASE("tiles cut by parts add up as those of one piece") {

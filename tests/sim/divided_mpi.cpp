@@ -1,4 +1,6 @@
 // A world divided over the processes of an MPI job, under a real mpirun.
+#include <chrono>
+
 #include "base/files/file.h"
 #include "sim/io/checkpoint.h"
 #include "sim/io/part_files.h"
@@ -74,4 +76,14 @@ TEST_CASE("a lost process ends the job with its sentence") {
   CHECK(run.status != 0);
   CHECK(run.status != 124);  // not by the time limit
   CHECK(contains(run.output, "rank 1 is lost"));
+}
+
+TEST_CASE("a killed process ends the others in time") {
+  const auto start = std::chrono::steady_clock::now();
+  const ShellEnding run = mpirun(3, "tank 0 20 kill");
+  CAPTURE(run.output);
+  CHECK(run.status != 0);
+  CHECK(run.status != 124);
+  CHECK_FALSE(contains(run.output, "of 3 ranks"));
+  CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(60));
 }

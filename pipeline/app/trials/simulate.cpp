@@ -115,7 +115,8 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const campaign::TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
-  const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads), options.gpus};
+  const int gpus = campaign::gpus_left(options.gpus, int(sim::cuda_device_names().size()), options.checkpoint);
+  const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads), gpus};
   campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
   progress.finish();
   if (!shares.empty()) log_line("trial", sim::shares_text(shares));

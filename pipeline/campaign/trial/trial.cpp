@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/progress.h"
 #include "pipeline/campaign/trial/trial_run.h"
 #include "sim/io/part_files.h"
@@ -90,14 +91,21 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const T
     while (ended.empty()) ended = batch.advance();
   } catch (const DeviceError& error) {
     if (checkpoint.path.empty() || !std::filesystem::exists(checkpoint.path)) throw;
-    throw DeviceError(std::string(error.what()) + "; the same command, on fewer GPUs perhaps, goes on from " +
-                      checkpoint.path.string());
+    throw DeviceError(std::string(error.what()) + "; the last checkpoint is " + checkpoint.path.string() +
+                      ", from which the same command goes on, with fewer GPUs too");
   }
   if (!checkpoint.path.empty()) {
     std::filesystem::remove(checkpoint.path);
     sim::remove_parts_but({}, checkpoint.path);
   }
   return ended.front();
+}
+
+int gpus_left(int asked, int present, const TrialCheckpoint& checkpoint) {
+  if (asked <= present || present < 1 || checkpoint.path.empty() || !std::filesystem::exists(checkpoint.path))
+    return asked;
+  log_line("trial", line("%d of %d GPUs are left; it goes on over those, with the same bits", present, asked));
+  return present;
 }
 
 bool same_steps(const TrialSetup& a, const TrialSetup& b) {

@@ -37,6 +37,9 @@ struct TrialDevice {
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch = {},
                       const TrialCheckpoint& checkpoint = {}, const TrialDevice& device = {});
 
+/// GPUs for a trial that asks for some: where it was saved, those that are left will do.
+int gpus_left(int asked, int present, const TrialCheckpoint& checkpoint);
+
 struct BatchSettings {
   sim::Backend backend = sim::Backend::cpu;
   int places = 1;   // trials at a time

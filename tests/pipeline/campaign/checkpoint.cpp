@@ -1,6 +1,7 @@
 // Trials that are interrupted and go on.
 #include <csignal>
 #include <cstring>
+#include <optional>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -167,6 +168,47 @@ TEST_CASE("a trial that does not fit into the GPUs is refused before its first s
   CHECK(fs::is_empty(folder.path()));
 }
 
+TEST_CASE("a trial whose parts fail names its last checkpoint and goes on over fewer with the same bits") {
+  const TemporaryFolder folder;
+  const TrialSetup setup = short_setup(0.3);
+  const DesignPoint p = point(5);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialCheckpoint saved{folder / "trial.h5", 0};
+  Samples whole, continued;
+  const TrialRecord through = finished(setup, p, {}, whole);
+  // The three ranks find too little memory when they next divide the world.
+  std::optional<sim::PlantedMemory> small;
+  int samples = 0;
+  TrialWatch watch;
+  watch.sample = [&](const TrialSample&) {
+    if (++samples == 60) small.emplace(1e4);
+  };
+  try {
+    (void)run_trial(setup, p, watch, saved, {sim::Backend::cpu, 1, 3});
+    FAIL("no rank failed");
+  } catch (const DeviceError& error) {
+    CHECK(contains(error.what(), "the largest of 3 parts"));
+    CHECK(contains(error.what(), "; the last checkpoint is " + saved.path.string() +
+                                     ", from which the same command goes on, with fewer GPUs too"));
+  }
+  small.reset();
+  REQUIRE(fs::exists(saved.path));
+  const auto files = [&] { return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()); };
+  CHECK(files() == 4);  // one for each part, and the one that names them
+  const TemporaryFolder kept;
+  const auto all = fs::copy_options::recursive | fs::copy_options::overwrite_existing;
+  fs::copy(folder.path(), kept.path(), all);
+  for (const int gpus : {2, 1}) {
+    fs::copy(kept.path(), folder.path(), all);
+    Samples rest;
+    TrialWatch again;
+    again.sample = [&](const TrialSample& s) { rest.push_back(s); };
+    check_same(run_trial(setup, p, again, saved, {sim::Backend::cpu, 1, gpus}), through);
+    CHECK(same_bits(rest, whole));
+    CHECK(files() == 0);
+  }
+}
+
 TEST_CASE("a divided trial shows the shares of its parts and one in one piece shows none") {
   const TrialSetup setup = short_setup(0.1);
   const DesignPoint p = point(5);
@@ -183,6 +225,17 @@ TEST_CASE("a divided trial shows the shares of its parts and one in one piece sh
     (void)run_trial(setup, p, watch, {}, {sim::Backend::cpu, 1, parts});
     CHECK((shown > 0) == (parts == 2));
   }
+}
+
+TEST_CASE("a saved trial goes on over the GPUs that are left; a new one wants all that it asked for") {
+  const TemporaryFolder folder;
+  const TrialCheckpoint saved{folder / "trial.h5"};
+  CHECK(gpus_left(4, 3, saved) == 4);
+  write_file_atomically(saved.path, "state");
+  CHECK(gpus_left(4, 3, saved) == 3);
+  CHECK(gpus_left(2, 3, saved) == 2);
+  CHECK(gpus_left(4, 0, saved) == 4);  // no GPU answers: that is refused
+  CHECK(gpus_left(4, 3, {}) == 4);
 }
 
 TEST_CASE("nothing is saved before the interval has passed") {
