@@ -43,7 +43,8 @@ GONOGO_HD_INLINED Velocity begin_body(const Velocity& v, const Velocity& change,
 GONOGO_HD_INLINED Velocity carry_body(const Velocity& v, const Velocity& change, Velocity& free,
                                       Velocity& substep_velocity, Velocity& earlier) {
   const Velocity next = sum(v, change), more = difference(next, free);
-  earlier = sum(earlier, v);
+  earlier.linear += v.linear;
+  earlier.angular += v.angular;
   substep_velocity = v;
   free = next;
   return more;

@@ -70,6 +70,8 @@ struct GatherVelocity {
     *reinterpret_cast<PackInMemory*>(&extrapolated_velocity[b]) = ahead;
     now = next;
   }
+
+  static Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
 };
 
 /// Decides a world's next update from the sums of its tiles, added in order.

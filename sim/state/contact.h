@@ -155,24 +155,12 @@ GONOGO_HD inline Index contact_weight(const Contact& c, const Impulse& start) {
   return dot(start.linear, c.normal) > 0 || c.gap < 0 ? 4 : 1;
 }
 
-#ifdef __CUDACC__
 GONOGO_HD_INLINED Velocity sum(const Velocity& a, const Velocity& b) {
   return {a.linear + b.linear, 0, a.angular + b.angular, 0};
 }
 GONOGO_HD_INLINED Velocity difference(const Velocity& a, const Velocity& b) {
   return {a.linear - b.linear, 0, a.angular - b.angular, 0};
 }
-#else
-/// All eight numbers of a velocity at once: the compiler would take the vectors apart and store them one by one.
-inline Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
-inline Velocity from_pack(const Pack& numbers) {
-  Velocity v;
-  *reinterpret_cast<PackInMemory*>(&v) = numbers;
-  return v;
-}
-inline Velocity sum(const Velocity& a, const Velocity& b) { return from_pack(in_pack(a) + in_pack(b)); }
-inline Velocity difference(const Velocity& a, const Velocity& b) { return from_pack(in_pack(a) - in_pack(b)); }
-#endif
 
 template <class T>
 GONOGO_HD_INLINED VelocityT<T> extrapolated(const VelocityT<T>& now, const VelocityT<T>& before, const T& beta) {
