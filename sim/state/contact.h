@@ -221,20 +221,20 @@ template <bool turning, class T>
 GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const ImpulseT<T>& from,
                                              const ContactGradient<T>& g, const ConeStepT<T>& step) {
   const T g_n = dot(g.linear, c.normal), from_n = dot(from.linear, c.normal);
-  const T normal = multiply_add(-step.n, g_n, from_n) + c.cohesion;
+  ConeImpulseT<T> target;
+  target.normal = multiply_add(-step.n, g_n, from_n) + c.cohesion;
   const Vec3T<T> moved = multiply_add(g.linear, -step.t, from.linear);
-  const Vec3T<T> tangential = multiply_add(c.normal, multiply_add(step.t, g_n, -from_n), moved);
-  const ConeShapeT<T> cone{c.mu, c.rho, c.sigma};
+  target.tangential = multiply_add(c.normal, multiply_add(step.t, g_n, -from_n), moved);
   if constexpr (turning) {
     const Vec3T<T> turn = multiply_add(g.angular, -step.r, from.angular);
-    const T spinning = dot(turn, c.normal);
-    const Vec3T<T> rolling = multiply_add(c.normal, -spinning, turn);
-    const ConeImpulseT<T> p = project_onto_cone<true, T>({normal, tangential, rolling, spinning}, cone, step);
-    return {.linear = multiply_add(c.normal, p.normal - c.cohesion, p.tangential),
-            .angular = multiply_add(c.normal, p.spinning, p.rolling)};
+    target.spinning = dot(turn, c.normal);
+    target.rolling = multiply_add(c.normal, -target.spinning, turn);
   }
-  const ConeImpulseT<T> p = project_onto_cone<false, T>({normal, tangential, Vec3T<T>{}, constant<T>(0)}, cone, step);
-  return {.linear = multiply_add(c.normal, p.normal - c.cohesion, p.tangential), .angular = {}};
+  const ConeImpulseT<T> p = project_onto_cone<turning, T>(target, {c.mu, c.rho, c.sigma}, step);
+  ImpulseT<T> result;
+  result.linear = multiply_add(c.normal, p.normal - c.cohesion, p.tangential);
+  if constexpr (turning) result.angular = multiply_add(c.normal, p.spinning, p.rolling);
+  return result;
 }
 
 /// Square of a projected step divided by its step sizes: the square of the speed that is still wrong [m^2/s^2].
