@@ -64,6 +64,8 @@ struct SamplerKind {
   bool any_problem = true;       // false: bipartite problems only
   bool follows_energies = true;  // rows follow exp(-beta E); false: rows of low energy, of no distribution
   RowOrigin origin = RowOrigin::here;
+  /// Whether this library draws its rows, and they follow exp(-beta E).
+  bool draws_here() const { return origin == RowOrigin::here && follows_energies; }
   /// As Sampler::sample(). `settings` has a value of the right type and range for every parameter.
   SampleSet (*sample)(const Problem& problem, const SampleRequest& request, const SamplerSettings& settings) = nullptr;
 };

@@ -28,9 +28,7 @@ void read_encoders(const Config& section, LearningSettings& settings) {
   }
 }
 
-bool draws_here(const learning::SamplerKind& kind) {
-  return kind.origin == learning::RowOrigin::here && kind.follows_energies;
-}
+bool draws_here(const learning::SamplerKind& kind) { return kind.draws_here(); }
 
 bool runs_alone(const learning::SamplerKind& kind) {
   return kind.origin != learning::RowOrigin::person && kind.follows_energies;

@@ -251,9 +251,8 @@ void measure_mixing(SampledRows& rows) {
 
 std::vector<std::string> row_samplers() {
   std::vector<std::string> names = {"auto", "exact", "code_words", "tempering"};
-  for (const std::string& name : learning::sampler_names_and_emulator([](const learning::SamplerKind& kind) {
-         return kind.origin == learning::RowOrigin::here && kind.follows_energies;
-       }))
+  for (const std::string& name :
+       learning::sampler_names_and_emulator([](const learning::SamplerKind& kind) { return kind.draws_here(); }))
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   return names;
 }
