@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel/host_loop.h"
 #include "base/progress.h"
+#include "sim/scene/vacant.h"
 
 namespace gonogo::terrain {
 
@@ -133,8 +134,7 @@ class TestBench::Hall {
     ~Guest() override {
       const std::lock_guard lock(hall.mutex_);
       std::erase(hall.arrivals_, this);
-      if (batch) std::erase(batch->guests, this);
-      std::erase_if(hall.batches_, [](const auto& b) { return b->guests.empty(); });
+      if (batch) hall.leave(*this);
     }
     StepsTaken take(Index steps, const std::vector<sim::BodyIndex>& measured) override {
       std::unique_lock lock(hall.mutex_);
@@ -206,6 +206,21 @@ class TestBench::Hall {
   void fail(const std::exception_ptr& why) {
     if (!failure_) failure_ = why;
     while (!waiting_.empty()) wake(*waiting_.back());
+  }
+
+  /// The others go on without its world.
+  void leave(const Guest& guest) {
+    Batch& batch = *guest.batch;
+    std::erase(batch.guests, &guest);
+    if (batch.guests.empty()) {
+      std::erase_if(batches_, [&](const auto& b) { return b.get() == &batch; });
+      return;
+    }
+    try {
+      batch.simulation->replace(guest.waiting.world, sim::vacant_world());
+    } catch (...) {  // leaving must not throw
+      fail(std::current_exception());
+    }
   }
 
   bool step_seated() {

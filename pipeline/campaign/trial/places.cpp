@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
+#include "sim/scene/vacant.h"
 #include "sim/simulation/parts/divided.h"
 
 namespace gonogo::campaign {
 namespace {
 
-/// What is in a place that nobody has: a body that does not move. Its law resists rolling, so that every batch solves
-/// with rolling, whether or not one of its worlds needs it: GPUs have a kernel of their own for batches without.
+/// What is in a place that nobody has. Its law resists rolling, so that every batch solves with rolling, whether or not
+/// one of its worlds needs it: GPUs have a kernel of their own for batches without.
 std::shared_ptr<const sim::SceneWorld> nobody() {
   static const auto world = [] {
-    sim::SceneWorld w;
-    w.add_body({}, sim::fixed_body());
+    sim::SceneWorld w = sim::vacant_world();
     w.set_law(0, 0, {0, 1, 0});
     return std::make_shared<const sim::SceneWorld>(w);
   }();

@@ -95,14 +95,17 @@ void require_memory(bool on_gpu, const std::vector<FlatWorld>& worlds, const Wor
   if (!free) return;
   const double needed = device_bytes(places_for(worlds, room), settings, is_turning(worlds, settings));
   if (needed <= *free) return;
+  const FlatWorld& world = worlds.front();
   if (worlds.size() > 1)
     throw OutOfMemory(sentence("the batch of " + std::to_string(worlds.size()) + " worlds", needed, *free,
                                "use fewer worlds or a smaller bed"));
+  if (device_bytes({world.size()}, settings, is_turning(worlds, settings)) <= *free)
+    throw OutOfMemory(sentence("room for " + std::to_string(room.bodies) + " bodies in a world", needed, *free,
+                               "leave room for fewer"));
   if (!can_be_divided(settings))
     throw OutOfMemory(sentence("the world", needed, *free,
                                std::string("the method ") + name_of(settings.method()) +
                                    " runs on one GPU only: make the bed smaller or its grains larger"));
-  const FlatWorld& world = worlds.front();
   throw OutOfMemory(memory_sentence("the world", needed, *free, gpus_that_do(world, start_of(world), settings, *free)));
 }
 

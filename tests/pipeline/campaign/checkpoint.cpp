@@ -22,6 +22,16 @@ namespace fs = std::filesystem;
 
 DesignPoint point(double slope) { return design_point(slope, 30, 0.25); }
 
+/// A trial whose state is saved after every step, with its bed settled.
+struct SavedTrial {
+  TemporaryFolder folder;
+  TrialSetup setup = short_setup(0.3);
+  DesignPoint p = point(5);
+  TrialCheckpoint saved{folder / "trial.h5", 0};
+
+  SavedTrial() { prepare_trials(setup, {&p, 1}, 1); }
+};
+
 struct Interrupted {};
 
 /// Runs a trial until it has shown this many samples in its attempt number `attempt`, then drops it as a kill would.
@@ -67,12 +77,7 @@ void check_same(const TrialRecord& a, const TrialRecord& b) {
 
 }  // namespace
 
-TEST_CASE("a trial that was cut off goes on to the record and the samples of one that was not") {
-  const TemporaryFolder folder;
-  const TrialSetup setup = short_setup(0.3);
-  const DesignPoint p = point(5);
-  prepare_trials(setup, {&p, 1}, 1);
-  const TrialCheckpoint saved{folder / "trial.h5", 0};
+TEST_CASE_METHOD(SavedTrial, "a trial that was cut off goes on to the record and the samples of one that was not") {
   Samples whole, continued;
   const TrialRecord through = finished(setup, p, {}, whole);
   CHECK(frames_shown(setup, p, {}) == 2);
@@ -107,13 +112,8 @@ TEST_CASE("a trial on clumps drives, and goes on with their orientations where i
   CHECK(same_bits(continued, whole));
 }
 
-TEST_CASE("a trial cut off in its second attempt does not take the first one again") {
-  const TemporaryFolder folder;
-  TrialSetup setup = short_setup(0.3);
+TEST_CASE_METHOD(SavedTrial, "a trial cut off in its second attempt does not take the first one again") {
   setup.thresholds.residual = 1e-9;  // no run can meet it
-  const DesignPoint p = point(5);
-  prepare_trials(setup, {&p, 1}, 1);
-  const TrialCheckpoint saved{folder / "trial.h5", 0};
   Samples whole, continued;
   const TrialRecord through = finished(setup, p, {}, whole);
   CHECK(through.attempts == 2);
@@ -130,12 +130,9 @@ TEST_CASE("a trial cut off in its second attempt does not take the first one aga
   CHECK(same_bits(continued, whole));
 }
 
-TEST_CASE("a checkpoint of another trial and a damaged one are refused, and left as they are") {
-  const TemporaryFolder folder;
-  const TrialSetup setup = short_setup(0.3);
-  const DesignPoint p = point(5), other = point(6);
-  prepare_trials(setup, std::vector<DesignPoint>{p, other}, 1);
-  const TrialCheckpoint saved{folder / "trial.h5", 0};
+TEST_CASE_METHOD(SavedTrial, "a checkpoint of another trial and a damaged one are refused, and left as they are") {
+  const DesignPoint other = point(6);
+  prepare_trials(setup, {&other, 1}, 1);
   run_until(setup, p, 60, 1, saved);
   const std::string file = read_file(saved.path);
   refused([&] { (void)run_trial(setup, other, {}, saved); }, "another scene");
@@ -146,12 +143,7 @@ TEST_CASE("a checkpoint of another trial and a damaged one are refused, and left
   refused([&] { (void)run_trial(setup, p, {}, saved); }, "trial.h5");
 }
 
-TEST_CASE("a trial that does not fit into the GPUs is refused before its first step and writes nothing") {
-  const TemporaryFolder folder;
-  const TrialSetup setup = short_setup(0.3);
-  const DesignPoint p = point(5);
-  prepare_trials(setup, {&p, 1}, 1);
-  const TrialCheckpoint saved{folder / "trial.h5", 0};
+TEST_CASE_METHOD(SavedTrial, "a trial beyond the memory of GPUs is refused before its first step and writes nothing") {
   int samples = 0, frames = 0;
   TrialWatch watch;
   watch.sample = [&](const TrialSample&) { ++samples; };
@@ -168,12 +160,7 @@ TEST_CASE("a trial that does not fit into the GPUs is refused before its first s
   CHECK(fs::is_empty(folder.path()));
 }
 
-TEST_CASE("a trial whose parts fail names its last checkpoint and goes on over fewer with the same bits") {
-  const TemporaryFolder folder;
-  const TrialSetup setup = short_setup(0.3);
-  const DesignPoint p = point(5);
-  prepare_trials(setup, {&p, 1}, 1);
-  const TrialCheckpoint saved{folder / "trial.h5", 0};
+TEST_CASE_METHOD(SavedTrial, "when parts fail the last checkpoint is named and fewer go on with the same bits") {
   Samples whole, continued;
   const TrialRecord through = finished(setup, p, {}, whole);
   // The three ranks find too little memory when they next divide the world.
@@ -238,13 +225,8 @@ TEST_CASE("a saved trial goes on over the GPUs that are left; a new one wants al
   CHECK(gpus_left(4, 3, {}) == 4);
 }
 
-TEST_CASE("nothing is saved before the interval has passed") {
-  const TemporaryFolder folder;
-  const TrialSetup setup = short_setup(0.3);
-  const DesignPoint p = point(5);
-  prepare_trials(setup, {&p, 1}, 1);
-  const TrialCheckpoint saved{folder / "trial.h5", 1e6};
-  run_until(setup, p, 150, 1, saved);
+TEST_CASE_METHOD(SavedTrial, "nothing is saved before the interval has passed") {
+  run_until(setup, p, 150, 1, {saved.path, 1e6});
   CHECK_FALSE(fs::exists(saved.path));
 }
 
