@@ -323,9 +323,9 @@ TEST_CASE("cohesion is met up to twice the stress under a wheel, and refused abo
   CHECK(refusal([&] { law_of(c, {22, 0, 0, 0}); }).empty());
 }
 
-TEST_CASE("of the shipped soils lean clay with little water is out of reach of both tables, loose soils are not") {
+TEST_CASE("of the shipped soils lean clay with little water is out of reach of every table, loose soils are not") {
   const std::filesystem::path soils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
-  for (const char* table : {"calibration_32mm.json", "calibration_90mm.json"}) {
+  for (const char* table : {"calibration_10mm.json", "calibration_32mm.json", "calibration_90mm.json"}) {
     const Calibration c = read_calibration(soils / table);
     const MacroscopicSoil lean_clay{20, 68.95e3, 0, 0.5}, sandy_loam{20, 4.83e3, 0, 0.5}, hanamoto{22, 13.79e3, 0, 0.5};
     const std::string refused = refusal([&] { fit_soil(c, lean_clay); });
@@ -338,7 +338,7 @@ TEST_CASE("of the shipped soils lean clay with little water is out of reach of b
 
 TEST_CASE("triaxial compression and simple shear of the shipped tables end in the same strength") {
   const std::filesystem::path soils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
-  for (const char* table : {"calibration_32mm.json", "calibration_90mm.json"}) {
+  for (const char* table : {"calibration_10mm.json", "calibration_32mm.json", "calibration_90mm.json"}) {
     const Calibration c = read_calibration(soils / table);
     CHECK(numerics_by_table(c, table) == usual_numerics(c.grain_diameter));
     REQUIRE(c.response.size() == 33);
