@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/parallel/host_loop.h"
 #include "base/progress.h"
-#include "sim/scene/vacant.h"
+#include "sim/simulation/layout/vacant.h"
 
 namespace gonogo::terrain {
 

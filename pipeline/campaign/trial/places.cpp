@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/scene/vacant.h"
+#include "sim/simulation/layout/vacant.h"
 #include "sim/simulation/parts/divided.h"
 
 namespace gonogo::campaign {
