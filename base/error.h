@@ -40,7 +40,9 @@ struct OutOfMemory : DeviceError {
   using DeviceError::DeviceError;
 };
 
+/// The user stopped the command; by default one that loses nothing by it.
 struct Cancelled : std::runtime_error {
+  using std::runtime_error::runtime_error;
   Cancelled()
       : std::runtime_error("interrupted; what was finished is kept, and the same command continues from there") {}
 };

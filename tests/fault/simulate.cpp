@@ -59,7 +59,7 @@ TEST_CASE("a trial that was killed or interrupted goes on to the same result") {
   }
 }
 
-TEST_CASE("a trial without a checkpoint ends at SIGINT and SIGTERM, too") {
+TEST_CASE("a trial without a checkpoint ends at SIGINT and SIGTERM and says that it will begin anew") {
   const TemporaryFolder folder;
   const fs::path study = short_study(folder), vtk = folder / "vtk";
   for (const int signal : {SIGINT, SIGTERM}) {
@@ -69,6 +69,7 @@ TEST_CASE("a trial without a checkpoint ends at SIGINT and SIGTERM, too") {
     const Ending cut = run_gonogo({"simulate", study, "--csv", folder / "run.csv", "--vtk", vtk}, options);
     CHECK(cut.exit_code == 130);
     CHECK(cut.out == "");
+    CHECK(contains(cut.err, "gonogo: interrupted; the trial will begin anew"));
     CHECK_FALSE(fs::exists(folder / "run.csv"));
     fs::remove_all(vtk);
   }

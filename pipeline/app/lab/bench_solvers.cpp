@@ -78,13 +78,6 @@ std::string growth_text(const lab::SolverBench& bench, const std::vector<lab::So
   return text;
 }
 
-/// Tells where the runs that ended are; a bench does not go on from them.
-struct Stopped : Cancelled {
-  explicit Stopped(std::string text) : text(std::move(text)) {}
-  const char* what() const noexcept override { return text.c_str(); }
-  std::string text;
-};
-
 /// Rows and tables of the runs as they end, under one progress line.
 class BenchRows {
  public:
@@ -114,7 +107,7 @@ class BenchRows {
       kept = line("interrupted; times.csv and curves.csv in %s hold the %zu runs that ended", request_.out.c_str(),
                   runs_.size());
     }
-    throw Stopped(kept);
+    throw Cancelled(kept);
   }
 
  private:

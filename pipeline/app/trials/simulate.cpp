@@ -79,6 +79,18 @@ report::FilmRequest film_request(const Globals& globals, const SimulateOptions& 
   return film;
 }
 
+/// As campaign::run_trial(); after Ctrl-C tells how a trial is kept.
+campaign::TrialRecord run_or_say_lost(const campaign::TrialSetup& setup, const campaign::DesignPoint& point,
+                                      const campaign::TrialWatch& watch, const campaign::TrialCheckpoint& checkpoint,
+                                      const campaign::TrialDevice& device) {
+  try {
+    return campaign::run_trial(setup, point, watch, checkpoint, device);
+  } catch (const Cancelled&) {
+    if (!checkpoint.path.empty()) throw;
+    throw Cancelled("interrupted; the trial will begin anew: --checkpoint FILE saves it while it runs");
+  }
+}
+
 /// Runs the trial and writes its CSV file, pictures, video and VTK files.
 campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOptions& options,
                                     const campaign::TrialSetup& setup, const campaign::DesignPoint& point) {
@@ -117,7 +129,7 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
   const int gpus = campaign::gpus_left(options.gpus, int(sim::cuda_device_names().size()), options.checkpoint);
   const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads), gpus};
-  campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
+  campaign::TrialRecord record = run_or_say_lost(setup, point, watch, options.checkpoint, device);
   progress.finish();
   if (!shares.empty()) log_line("trial", sim::shares_text(shares));
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);

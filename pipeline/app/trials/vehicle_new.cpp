@@ -13,6 +13,8 @@
 #include "base/shell.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/trials/vehicle_commands.h"
+#include "pipeline/campaign/setup/setup.h"
+#include "pipeline/campaign/setup/vehicle_study.h"
 #include "pipeline/inspect/vehicle_report.h"
 #include "vehicle/family/data_sheet.h"
 
@@ -149,9 +151,13 @@ vehicle::DataSheet sheet_of(const NewOptions& o) {
 }
 
 /// The steps from here to a map, as docs/vehicles.md explains them. `file`: as a shell takes it.
-std::string next_steps(const std::string& file) {
+std::string next_steps(const vehicle::Vehicle& v, const std::string& file) {
+  constexpr double grains = 2.5;  // across a tread, for a first look
+  const std::string table = campaign::coarsest_table(vehicle::tread_width(v), grains).stem().string();
   return "next\n  gonogo vehicle show " + file + "\n  gonogo vehicle feasible " + file +
-         " --slope 15 --mu 0.6\n  gonogo simulate --vehicle " + file + " --soil calibration_90mm --folded --slope 5\n";
+         " --slope 15 --mu 0.6\n  gonogo simulate --vehicle " + file + " --soil " + table +
+         (campaign::is_foldable(v) ? " --folded" : "") + " --slope 5\n  gonogo map --vehicle " + file +
+         " --dem elevation.tif --soil sand --out out/map\n";
 }
 
 void make(const Globals& globals, NewOptions options) {
@@ -162,7 +168,8 @@ void make(const Globals& globals, NewOptions options) {
   const vehicle::DataSheet sheet = sheet_of(options);
   const vehicle::VehicleFile file = vehicle::vehicle_file(sheet);
   const std::string text = file.json.dump(2) + "\n";
-  const inspect::Report shown = inspect::show_vehicle(vehicle::read_vehicle(Config::parse(text, out.string())));
+  const vehicle::Vehicle made = vehicle::read_vehicle(Config::parse(text, out.string()));
+  const inspect::Report shown = inspect::show_vehicle(made);
   write_file_atomically(out, text);
   Json result = Json::object();
   result["file"] = out.string();
@@ -173,7 +180,8 @@ void make(const Globals& globals, NewOptions options) {
                      line(": %.3f m high, %.3f m wide: ", sheet.tyre.diameter, sheet.tyre.section_width) +
                      sheet.tyre.rule + "\nassumed, and changed by an option or in the file\n";
   for (const std::string& a : file.assumed) told += "  " + a + "\n";
-  print_result(globals, result, told + "\nwritten to " + out.string() + "\n" + next_steps(shell_word(out.string())));
+  print_result(globals, result,
+               told + "\nwritten to " + out.string() + "\n" + next_steps(made, shell_word(out.string())));
 }
 
 }  // namespace

@@ -52,27 +52,26 @@ Json design_section(const vehicle::Vehicle& v, double diameter, double mass, dou
       {"method", "sobol"}, {"points", std::uint64_t(points)}, {"replicate_every", 10}, {"ranges", ranges}};
 }
 
-/// Share of the scale rule's grains across a tread that suffices: the next finer table multiplies the cost of a trial by
-/// the cube of the grains' ratio and more.
-constexpr double kNearlyEnough = 0.8;
+/// Grains across a tread that suffice for a study: three quarters of the scale rule's. The next finer table multiplies
+/// the cost of a trial by the cube of the grains' ratio and more.
+constexpr double kGrainsOfStudy = 0.75 * kGrainsPerTyre;
 
-/// The coarsest table whose grains suit the tread.
-std::filesystem::path table_for(double tread) {
+}  // namespace
+
+std::filesystem::path coarsest_table(double tread, double grains) {
   std::filesystem::path table;
   for (const char* name : kTables) {
     table = shipped_file("soils", "calibration", name);
-    if (tread >= kNearlyEnough * kGrainsPerTyre * terrain::read_calibration(table).grain_diameter) break;
+    if (tread >= grains * terrain::read_calibration(table).grain_diameter) break;
   }
   return table;
 }
-
-}  // namespace
 
 VehicleStudy study_of_vehicle(const std::filesystem::path& vehicle_file, std::size_t points, double gravity) {
   const vehicle::Vehicle v = vehicle::read_vehicle(vehicle_file);
   const vehicle::Wheel& wheel = v.wheel.front();
   const double diameter = 2 * wheel.radius, time = std::sqrt(diameter / gravity), tread = vehicle::tread_width(v);
-  const std::filesystem::path table = table_for(tread);
+  const std::filesystem::path table = coarsest_table(tread, kGrainsOfStudy);
   const terrain::Calibration calibration = terrain::read_calibration(table);
   VehicleStudy s;
   s.grain = calibration.grain_diameter;
