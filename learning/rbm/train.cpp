@@ -308,15 +308,10 @@ double conditional_loss(const Posterior& posterior, const TrainingTable& table) 
   return sum / total;
 }
 
-namespace {
-
-/// Whether no machine of a training needs the sampler, so that several may be trained at a time.
 bool trains_by_words(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
                      const Sampler& sampler) {
   return sampler.name() == "block_gibbs" && WordGradient::serves(layout, table, settings);
 }
-
-}  // namespace
 
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
                          const Sampler& sampler, const EpochHook& hook, const RbmWeights* start,

@@ -60,6 +60,11 @@ struct TrainingResult {
 /// Whether LibTorch can compute gradients on a GPU here.
 bool gradients_on_gpu();
 
+/// Whether no machine of a training needs the sampler. Each then takes one thread, and several may be trained at a
+/// time.
+bool trains_by_words(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
+                     const Sampler& sampler);
+
 /// Called at every report epoch with the present machine. Returns false to stop.
 using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weights)>;
 

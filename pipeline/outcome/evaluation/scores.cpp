@@ -48,10 +48,14 @@ Baselines fit_baselines(const learning::TrainingTable& table, std::span<const in
 std::map<std::string, std::vector<double>> cross_validate_baselines(const learning::TrainingTable& table,
                                                                     std::span<const int> label,
                                                                     const std::vector<std::size_t>& fold,
-                                                                    std::size_t fold_count) {
+                                                                    std::size_t fold_count,
+                                                                    const std::function<void()>& beside) {
   std::vector<double> logistic(label.size()), quadratic(label.size()), network(label.size());
   // Those that take longest first.
-  for_each_on_host(3 * fold_count, 1, [&](std::size_t k) {
+  const std::size_t others = beside ? 1 : 0;
+  for_each_on_host(others + 3 * fold_count, 1, [&](std::size_t task) {
+    if (task < others) return beside();
+    const std::size_t k = task - others;
     const auto forecast = [&](std::vector<double>& result, const auto& fit) {
       learning::forecast_fold(table, label, fold, k % fold_count, fit, result);
     };
@@ -159,11 +163,17 @@ learning::Interval mean_difference(std::span<const double> terms, std::span<cons
 
 Scores score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
   const std::size_t bins = std::clamp<std::size_t>(forecasts.happened.size() / 20, 2, 10);
+  std::vector<const std::vector<double>*> forecast{&forecasts.model};
   Scores scores;
-  scores.of.emplace_back("model", learning::forecast_scores(forecasts.model, forecasts.happened, bins, seed));
+  scores.of.emplace_back("model", learning::ForecastScores());
   for (const char* name : kBaselines)
-    if (const auto found = forecasts.baselines.find(name); found != forecasts.baselines.end())
-      scores.of.emplace_back(name, learning::forecast_scores(found->second, forecasts.happened, bins, seed));
+    if (const auto found = forecasts.baselines.find(name); found != forecasts.baselines.end()) {
+      forecast.push_back(&found->second);
+      scores.of.emplace_back(name, learning::ForecastScores());
+    }
+  for_each_on_host(forecast.size(), 1, [&](std::size_t k) {
+    scores.of[k].second = learning::forecast_scores(*forecast[k], forecasts.happened, bins, seed);
+  });
   if (forecasts.baselines.empty()) return scores;
   scores.brier = minus_best(forecasts, learning::brier_terms, seed);
   scores.log_loss = minus_best(forecasts, learning::log_loss_terms, seed);

@@ -1,5 +1,6 @@
 // Scores of P(go) by the model and by its baselines.
 #pragma once
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -73,10 +74,11 @@ struct Baselines {
 Baselines fit_baselines(const learning::TrainingTable& table, std::span<const int> label);
 
 /// P(1) of every row by baselines fitted without the row's fold. The Gaussian process is not among them: it costs most
-/// and may be at hand as a teacher (teacher.h).
+/// and may be at hand as a teacher (teacher.h). beside: run once, first and on one thread, as if it were a baseline.
 std::map<std::string, std::vector<double>> cross_validate_baselines(const learning::TrainingTable& table,
                                                                     std::span<const int> label,
                                                                     const std::vector<std::size_t>& fold,
-                                                                    std::size_t fold_count);
+                                                                    std::size_t fold_count,
+                                                                    const std::function<void()>& beside = {});
 
 }  // namespace gonogo::outcome

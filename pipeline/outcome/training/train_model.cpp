@@ -327,11 +327,11 @@ double calibrate(const TrainingData& data, learning::CrossValidation& folds, con
                  std::size_t fold_count) {
   const std::vector<double> before = folds.probability;
   const std::size_t outcomes = before.size() / fold.size();
-  std::vector<double> power;
-  for (std::size_t f = 0; f < fold_count; ++f) power.push_back(fitted_power(data, before, fold, f));
+  std::vector<double> power(fold_count + 1);  // without each fold, then of all
+  for_each_on_host(power.size(), 1, [&](std::size_t f) { power[f] = fitted_power(data, before, fold, f); });
   for (std::size_t n = 0; n < fold.size(); ++n)
     learning::sharpen(std::span(folds.probability).subspan(n * outcomes, outcomes), power[fold[n]]);
-  return fitted_power(data, before, fold, fold_count);
+  return power.back();
 }
 
 TrialCounts count_trials(const TrainingData& data, const learning::TrainingTable& held_out) {
@@ -366,10 +366,10 @@ FailureRate failure_rate(const TrainingData& data, const learning::TrainingTable
   return rate;
 }
 
-/// Scores of P(go) on rows that each forecaster did not train on.
+/// Scores of P(go) on rows that each forecaster did not train on. beside: as of cross_validate_baselines().
 Scores cross_validation_scores(const TrainingData& data, const learning::CrossValidation& folds,
                                const std::vector<std::size_t>& fold, std::size_t fold_count, std::uint64_t seed,
-                               const Teachers& teachers) {
+                               const Teachers& teachers, const std::function<void()>& beside) {
   const std::vector<int> passable = passable_outcomes();
   Forecasts forecasts;
   for (std::size_t n = 0; n < data.table.row_count(); ++n) {
@@ -378,18 +378,35 @@ Scores cross_validation_scores(const TrainingData& data, const learning::CrossVa
     forecasts.model.push_back(p);
     forecasts.happened.push_back(passable[data.table.outcome[n]]);
   }
-  forecasts.baselines = cross_validate_baselines(data.table, forecasts.happened, fold, fold_count);
+  forecasts.baselines = cross_validate_baselines(data.table, forecasts.happened, fold, fold_count, beside);
   forecasts.baselines["gaussian_process"] = teachers.held_out();
   return score_forecasts(forecasts, seed);
 }
 
 /// A machine of code words ends with balanced inputs, if its joint distribution was trained.
-learning::RbmWeights trained_weights(const learning::VisibleLayout& layout, const learning::TrainingTable& table,
-                                     const learning::TrainingSettings& settings, const learning::Sampler& sampler,
-                                     const learning::EpochHook& watch, const learning::Teaching* lesson) {
-  learning::RbmWeights weights = train_rbm(layout, table, settings, sampler, watch, nullptr, lesson).weights;
-  if (settings.negative != learning::NegativePhaseKind::code_words || settings.generative == 0) return weights;
-  return balanced_inputs(layout, table, std::move(weights), settings.seed, lesson);
+void balance(const learning::VisibleLayout& layout, const learning::TrainingTable& table,
+             const learning::TrainingSettings& settings, const learning::Teaching* lesson,
+             learning::RbmWeights& weights) {
+  if (settings.negative != learning::NegativePhaseKind::code_words || settings.generative == 0) return;
+  weights = balanced_inputs(layout, table, std::move(weights), settings.seed, lesson);
+}
+
+/// Trains the machines of all folds, and beside them the last teacher.
+learning::CrossValidation train_folds(const Inputs& in, const learning::VisibleLayout& layout, std::size_t folds,
+                                      const KeptWork& kept, TrainingSampler& source, TrainingProgress& progress,
+                                      Teachers& teachers) {
+  learning::CrossValidation validation = cross_validate(layout, in.data.table, in.training, source.sampler(), folds,
+                                                        {.progress =
+                                                             [&](std::size_t done) {
+                                                               progress.machine_done(done);
+                                                               source.begin();
+                                                             },
+                                                         .watch = progress.watch(),
+                                                         .store = fold_store(kept, progress, source),
+                                                         .teaching = [&](std::size_t f) { return teachers.of(f); },
+                                                         .beside = [&] { teachers.fit_last(); }});
+  teachers.keep_last();
+  return validation;
 }
 
 /// Fills the parts of the model's file that describe the trials and the prior.
@@ -445,43 +462,40 @@ TrainingReport train_model(const TrainRequest& request) {
       taught_points(in.data.lower, in.data.upper, in.settings.taught_points, request.seed);
   Teachers teachers(in, fold, folds, points, kept);
   progress.teach(table.row_count(), [&] { teachers.fit_folds(); });
-  learning::CrossValidation validation = cross_validate(model.layout, table, training, source.sampler(), folds,
-                                                        {.progress =
-                                                             [&](std::size_t done) {
-                                                               progress.machine_done(done);
-                                                               source.begin();
-                                                             },
-                                                         .watch = progress.watch(),
-                                                         .store = fold_store(kept, progress, source),
-                                                         .teaching = [&](std::size_t f) { return teachers.of(f); },
-                                                         .beside = [&] { teachers.fit_last(); }});
-  teachers.keep_last();
+  learning::CrossValidation validation = train_folds(in, model.layout, folds, kept, source, progress, teachers);
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
   if (in.settings.calibrate) model.calibration_power = calibrate(in.data, validation, fold, folds);
   const auto lesson = teachers.of(folds);
-  model.weights = trained_weights(model.layout, table, training, source.sampler(), progress.watch(), lesson.get());
+  const auto train_last = [&] {
+    model.weights =
+        train_rbm(model.layout, table, training, source.sampler(), progress.watch(), nullptr, lesson.get()).weights;
+  };
+  const bool beside = trains_by_words(model.layout, table, training, source.sampler());
+  if (!beside) train_last();
+  const Scores scores = cross_validation_scores(in.data, validation, fold, folds, training.seed, teachers,
+                                                beside ? train_last : std::function<void()>());
+  balance(model.layout, table, training, lesson.get(), model.weights);
   model.log = validation.log;
   describe_trials(in, model);
 
-  TrainingReport report{
-      .data_hash = in.data_hash,
-      .contract_hash = content_hash(campaign::contract_text()),
-      .program_version = program_version(),
-      .gravity = in.gravity != kGravity ? std::optional(in.gravity) : std::nullopt,
-      .sampler = source.report(),
-      .calibration_power = model.calibration_power,
-      .seed = request.seed,
-      .settings = in.settings,
-      .teacher_weight = in.teacher.weight,
-      .others = in.others.datasets,
-      .batch = training.batch,
-      .epochs = validation.best_epoch,
-      .counts = count_trials(in.data, in.held_out),
-      .failures = failure_rate(in.data, in.held_out),
-      .cross_validation = cross_validation_scores(in.data, validation, fold, folds, training.seed, teachers),
-      .folds = folds,
-      .joint = scored_joint(Predictor(model), table, request.seed)};
+  TrainingReport report{.data_hash = in.data_hash,
+                        .contract_hash = content_hash(campaign::contract_text()),
+                        .program_version = program_version(),
+                        .gravity = in.gravity != kGravity ? std::optional(in.gravity) : std::nullopt,
+                        .sampler = source.report(),
+                        .calibration_power = model.calibration_power,
+                        .seed = request.seed,
+                        .settings = in.settings,
+                        .teacher_weight = in.teacher.weight,
+                        .others = in.others.datasets,
+                        .batch = training.batch,
+                        .epochs = validation.best_epoch,
+                        .counts = count_trials(in.data, in.held_out),
+                        .failures = failure_rate(in.data, in.held_out),
+                        .cross_validation = scores,
+                        .folds = folds,
+                        .joint = scored_joint(Predictor(model), table, request.seed)};
   model.provenance = to_json(report);
   learning::write_model(request.model, model);
   if (!request.members_follow) kept.remove();
@@ -532,7 +546,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     const auto lesson =
         teach_all(table, in.others,
                   taught_points(in.data.lower, in.data.upper, in.settings.taught_points, in.training.seed), in.teacher);
-    model.weights = trained_weights(base.layout, table, in.training, *sampler, {}, lesson.get());
+    model.weights = train_rbm(base.layout, table, in.training, *sampler, {}, nullptr, lesson.get()).weights;
+    balance(base.layout, table, in.training, lesson.get(), model.weights);
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);
     kept.keep_member(files.back());
