@@ -137,9 +137,11 @@ namespace {
 const std::vector<std::array<SlopeNode, kHeadings>>& nodes_over_headings() {
   static const std::vector<std::array<SlopeNode, kHeadings>> nodes = [] {
     std::vector<std::array<SlopeNode, kHeadings>> result(kLastStep + 1);
+    std::vector<FallLine> lines;
+    for (int h = 0; h < kHeadings; ++h) lines.emplace_back(2 * kPi * h / kHeadings);
     for_each_on_host(result.size(), 64, [&](std::size_t i) {
-      for (int h = 0; h < kHeadings; ++h)
-        result[i][std::size_t(h)] = nearest_node(bed_slopes(double(i) / kSlopeSteps, 2 * kPi * h / kHeadings));
+      const double rise = std::tan(double(i) / kSlopeSteps * kDegree);
+      for (std::size_t h = 0; h < lines.size(); ++h) result[i][h] = nearest_node(bed_slopes(rise, lines[h]));
     });
     return result;
   }();

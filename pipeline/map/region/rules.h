@@ -105,12 +105,18 @@ struct BedSlopes {
   double along = 0, across = 0;
 };
 
-/// `slope`: of the ground [deg]. psi: angle from the heading to the uphill direction of the fall line [rad], positive
-/// to the left (docs/notation.md). tan(along) = tan(slope) cos(psi), tan(across) = tan(slope) sin(psi).
-inline BedSlopes bed_slopes(double slope, double psi) {
-  const double rise = std::tan(slope * kDegree);
-  return {std::atan(rise * std::cos(psi)) / kDegree, std::atan(rise * std::sin(psi)) / kDegree};
+/// psi: angle from the heading to the uphill direction of the fall line [rad], positive to the left (docs/notation.md).
+struct FallLine {
+  double cosine, sine;  // of psi
+  explicit FallLine(double psi) : cosine(std::cos(psi)), sine(std::sin(psi)) {}
+};
+
+/// tan(along) = tan(slope) cos(psi), tan(across) = tan(slope) sin(psi). rise: tan(slope).
+inline BedSlopes bed_slopes(double rise, const FallLine& line) {
+  return {std::atan(rise * line.cosine) / kDegree, std::atan(rise * line.sine) / kDegree};
 }
+/// `slope`: of the ground [deg]. psi: as in FallLine.
+inline BedSlopes bed_slopes(double slope, double psi) { return bed_slopes(std::tan(slope * kDegree), FallLine(psi)); }
 
 /// psi [rad] for a heading [deg clockwise from grid north] on ground that falls towards `aspect` [deg, likewise].
 inline double fall_line_angle(double heading, double aspect) { return (heading - aspect - 180) * kDegree; }

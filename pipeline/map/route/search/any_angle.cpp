@@ -17,6 +17,7 @@ LineStep make_step(const RouteCells& cells, int column, int row, bool backwards)
   LineStep step{.column = column, .row = row, .offset = std::ptrdiff_t(row) * cells.columns + column};
   step.heading = backwards ? heading_of(cells, -column, -row) : heading_of(cells, column, row);
   const double length = std::hypot(column * cells.cell_width, row * cells.cell_height);
+  step.length = float(length);
   // On a grid of its own, wide enough for every step, from a cell in the middle.
   constexpr int columns = 9, middle = 4 * columns + 4;
   const auto offset_of = [&](std::uint32_t cell) {
@@ -73,6 +74,7 @@ class Search {
         costs_(costs),
         steps_(line_steps(cells, backwards)),
         passable_(passable),
+        least_(costs.least_per_metre()),
         queue_(cost) {
     cost[start] = 0;
     before[start] = start;
@@ -103,7 +105,8 @@ class Search {
       const int x = column + step.column, y = row + step.row;
       if (x < 0 || y < 0 || x >= cells_.columns || y >= cells_.rows) continue;
       const std::size_t to = std::size_t(std::ptrdiff_t(cell) + step.offset);
-      if (!passable_[to] || cost[to] <= cost[cell]) continue;
+      const float at_least = std::max(cost[cell], kRounded * (cost[cell] + step.length * least_));
+      if (!passable_[to] || cost[to] <= at_least) continue;
       const float sum = cost_over(step, cell, cost[to]);
       if (!(sum < cost[to])) continue;
       cost[to] = sum;
@@ -123,6 +126,8 @@ class Search {
   const RouteCosts& costs_;
   std::vector<LineStep> steps_;
   const std::vector<char>& passable_;
+  static constexpr float kRounded = 0.999999f;  // what rounding leaves at least of a sum over a step
+  float least_;                                 // cost per metre
   NearestFirst queue_;
 };
 

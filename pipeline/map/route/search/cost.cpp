@@ -74,10 +74,12 @@ std::array<RouteStep, 8> route_steps(double cell_width, double cell_height) {
 HeadingNodes::HeadingNodes(const HeadingTable& table) : node_((std::size_t(90 * kSlopeSteps) + 1) * 360) {
   const int steps = int(90 * kSlopeSteps) + 1;
   GONOGO_ASSERT(std::size_t(table.along_count()) * std::size_t(table.across_count()) < kNoNode);
+  std::vector<FallLine> lines;
+  for (int psi = 0; psi < 360; ++psi) lines.emplace_back(psi * kDegree);
   for_each_on_host(std::size_t(steps), 16, [&](std::size_t s) {
-    for (int psi = 0; psi < 360; ++psi)
-      node_[s * 360 + std::size_t(psi)] =
-          std::uint16_t(table.index_of(bed_slopes(double(s) / kSlopeSteps, psi * kDegree)));  // -1 becomes kNoNode
+    const double rise = std::tan(double(s) / kSlopeSteps * kDegree);
+    for (std::size_t psi = 0; psi < lines.size(); ++psi)
+      node_[s * 360 + psi] = std::uint16_t(table.index_of(bed_slopes(rise, lines[psi])));  // -1 becomes kNoNode
   });
 }
 
@@ -91,6 +93,7 @@ RouteCosts::RouteCosts(const SoilTable& table, RouteCost cost, double correlatio
         const bool passes = campaign::passes(headings.node(i, j).result.verdict);
         factor.push_back(passes ? float(cost_per_metre(soil, i, j, cost, correlation_length)) : kImpassable);
       }
+    for (const float f : factor) least_ = std::min(least_, f);
     factor_.push_back(std::move(factor));
     std::vector<char> best;
     for (int s = 0; s <= int(90 * kSlopeSteps); ++s)

@@ -86,9 +86,12 @@ class RouteCosts {
     const std::uint8_t soil = cells.soil[cell];
     return soil < RouteCells::kClosed && best_[soil][cells.slope[cell]];
   }
+  /// No cell that can be passed costs less per metre.
+  float least_per_metre() const { return least_; }
   static constexpr float kImpassable = std::numeric_limits<float>::infinity();
 
  private:
+  float least_ = kImpassable;
   HeadingNodes nodes_;
   std::vector<std::vector<float>> factor_;  // [soil][node]
   std::vector<std::vector<char>> best_;     // [soil][slope step]
