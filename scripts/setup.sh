@@ -11,8 +11,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 packages=(
   g++ cmake ninja-build ccache git ca-certificates pkg-config  # build
   libeigen3-dev libhdf5-dev nlohmann-json3-dev libxxhash-dev   # base, sim
-  libboost-graph-dev libcli11-dev libcairo2-dev                # pipeline
-  libgdal-dev zlib1g-dev                                       # terrain/raster, pipeline/page
+  libboost-graph-dev libcli11-dev libcairo2-dev libpng-dev     # pipeline
+  libgdal-dev                                                  # terrain/raster
   catch2 hdf5-tools python3                                    # tests
 )
 

@@ -60,6 +60,15 @@ struct VariableGrid {
   std::span<const double> first_values, second_values;
 };
 
+/// A grid with what all points on it share; see Posterior::prepared(). The grid's values must outlive it.
+struct PreparedGrid {
+  VariableGrid grid;
+  std::vector<double> lowest, highest;                          // least and most field of both variables [hidden count]
+  std::vector<double> first_field = {}, second_field = {};      // [value x hidden count]
+  std::vector<double> first_inverse = {}, second_inverse = {};  // exp(-field), the second one in lanes
+  bool fits = true;                                             // no factor leaves the range of double
+};
+
 /// Bound on the estimated error of interpolated probabilities; see Posterior::on_grid().
 inline constexpr double kGridError = 1e-5;
 
@@ -78,7 +87,12 @@ class Posterior {
   /// ignored. result: [first value][second value][outcome]. With all others known the answers are those of
   /// operator() but for rounding. Where some are unknown, sums are taken at few nodes between the middles of bins and
   /// interpolated; the error is estimated to stay below kGridError (docs/map.md).
-  void on_grid(std::span<const double> variables, const VariableGrid& grid, std::span<double> result) const;
+  void on_grid(std::span<const double> variables, const VariableGrid& grid, std::span<double> result) const {
+    on_prepared(variables, prepared(grid), result);
+  }
+  /// The same for many points on one grid.
+  void on_prepared(std::span<const double> variables, const PreparedGrid& prepared, std::span<double> result) const;
+  PreparedGrid prepared(const VariableGrid& grid) const;
 
   /// P(each unknown variable | known ones), and of the outcome, which may be known.
   JointAnswer joint(std::span<const double> variables, std::optional<std::size_t> outcome,
@@ -128,7 +142,7 @@ class Posterior {
   enum class Precision { full, single };  // single: where it is near enough for kGridError
   std::optional<PosteriorAnswer> sum_products(std::span<const double> field, const Summation& plan,
                                               Precision precision = Precision::full) const;
-  void known_on_grid(std::span<const double> field, const VariableGrid& grid, std::span<double> result) const;
+  void known_on_grid(std::span<const double> field, const PreparedGrid& prepared, std::span<double> result) const;
   std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>

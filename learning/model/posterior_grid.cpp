@@ -1,7 +1,8 @@
 // P(outcome) over a grid of two variables, such as the slopes along and across a heading.
 //
 // With all other variables known, exp(-field) of a node is a product of three parts: one of the point, one of the row
-// and one of the column. So the whole grid takes rows + columns exponentials instead of rows x columns.
+// and one of the column. So the whole grid takes rows + columns exponentials instead of rows x columns, and all points
+// of a grid share those (PreparedGrid).
 //
 // Where variables are unknown, a node is a sum over thousands of combinations. Fields are linear in both variables
 // between the middles of their bins, so that P(outcome) is analytic there. On each patch between middles it is
@@ -284,51 +285,64 @@ class GridInterpolation {
 
 }  // namespace
 
-void Posterior::known_on_grid(std::span<const double> field, const VariableGrid& grid, std::span<double> result) const {
-  const std::size_t hidden = field.size(), outcomes = outcome_count();
-  const std::size_t rows = grid.first_values.size(), columns = grid.second_values.size();
-  const auto fields_of = [&](std::size_t variable, std::span<const double> values) {
-    std::vector<double> fields(values.size() * hidden, 0.0);
+PreparedGrid Posterior::prepared(const VariableGrid& grid) const {
+  const std::size_t hidden = hidden_bias_.size(), columns = grid.second_values.size();
+  PreparedGrid result{.grid = grid, .lowest = std::vector(hidden, 0.0), .highest = std::vector(hidden, 0.0)};
+  const auto add = [&](std::size_t variable, std::span<const double> values, std::vector<double>& fields) {
+    fields.assign(values.size() * hidden, 0.0);
     for (std::size_t i = 0; i < values.size(); ++i)
       add_field(nodes_[variable], values[i], std::span(fields).subspan(i * hidden, hidden));
-    return fields;
-  };
-  const std::vector<double> of_row = fields_of(grid.first, grid.first_values),
-                            of_column = fields_of(grid.second, grid.second_values);
-  bool fits = true;
-  std::vector<double> lowest(field.begin(), field.end()), highest = lowest;
-  for (std::size_t j = 0; j < hidden; ++j) {
-    for (const auto& [fields, count] : {std::pair(&of_row, rows), std::pair(&of_column, columns)}) {
+    for (std::size_t j = 0; j < hidden; ++j) {
       double least = INFINITY, most = -INFINITY;
-      for (std::size_t i = 0; i < count; ++i) {
-        least = std::min(least, (*fields)[i * hidden + j]);
-        most = std::max(most, (*fields)[i * hidden + j]);
+      for (std::size_t at = j; at < fields.size(); at += hidden) {
+        least = std::min(least, fields[at]);
+        most = std::max(most, fields[at]);
       }
-      lowest[j] += least;
-      highest[j] += most;
-      fits = fits && std::abs(least) < kMaxLog / 4 && std::abs(most) < kMaxLog / 4;
+      result.lowest[j] += least;
+      result.highest[j] += most;
+      result.fits = result.fits && std::abs(least) < kMaxLog / 4 && std::abs(most) < kMaxLog / 4;
     }
+  };
+  add(grid.first, grid.first_values, result.first_field);
+  add(grid.second, grid.second_values, result.second_field);
+  if (!result.fits) return result;
+  for (const double field : result.first_field) result.first_inverse.push_back(std::exp(-field));
+  result.second_inverse.assign((columns + kLanes - 1) / kLanes * hidden * kLanes, 1.0);
+  for (std::size_t i = 0; i < columns; ++i)
+    for (std::size_t j = 0; j < hidden; ++j)
+      result.second_inverse[(i / kLanes * hidden + j) * kLanes + i % kLanes] =
+          std::exp(-result.second_field[i * hidden + j]);
+  return result;
+}
+
+void Posterior::known_on_grid(std::span<const double> field, const PreparedGrid& prepared,
+                              std::span<double> result) const {
+  const std::size_t hidden = field.size(), outcomes = outcome_count();
+  const std::size_t rows = prepared.grid.first_values.size(), columns = prepared.grid.second_values.size();
+  bool fits = prepared.fits;
+  std::vector<double> lowest = prepared.lowest, highest = prepared.highest, own(hidden);
+  for (std::size_t j = 0; j < hidden; ++j) {
+    lowest[j] += field[j];
+    highest[j] += field[j];
+    own[j] = std::exp(-field[j]);
     fits = fits && std::abs(field[j]) < kMaxLog / 4;
   }
   if (!fits || !products_.fit(lowest, highest, kMaxLog)) {
     std::vector<double> at(hidden);
     for (std::size_t n = 0; n < rows * columns; ++n) {
       for (std::size_t j = 0; j < hidden; ++j)
-        at[j] = field[j] + of_row[n / columns * hidden + j] + of_column[n % columns * hidden + j];
+        at[j] =
+            field[j] + prepared.first_field[n / columns * hidden + j] + prepared.second_field[n % columns * hidden + j];
       outcome_shares(at, result.subspan(n * outcomes, outcomes));
     }
     return;
   }
-  const std::size_t blocks = (columns + kLanes - 1) / kLanes;
-  std::vector<double> inverse(blocks * hidden * kLanes, 1.0), common(hidden),
-      product(products_.padded_outcomes() * kLanes);
-  for (std::size_t i = 0; i < columns; ++i)
-    for (std::size_t j = 0; j < hidden; ++j)
-      inverse[(i / kLanes * hidden + j) * kLanes + i % kLanes] = std::exp(-of_column[i * hidden + j]);
+  const std::size_t block_size = hidden * kLanes, blocks = prepared.second_inverse.size() / block_size;
+  std::vector<double> common(hidden), product(products_.padded_outcomes() * kLanes);
   for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t j = 0; j < hidden; ++j) common[j] = std::exp(-(field[j] + of_row[row * hidden + j]));
+    for (std::size_t j = 0; j < hidden; ++j) common[j] = own[j] * prepared.first_inverse[row * hidden + j];
     for (std::size_t block = 0; block < blocks; ++block) {
-      products_(common, std::span(inverse).subspan(block * hidden * kLanes, hidden * kLanes), product);
+      products_(common, std::span(prepared.second_inverse).subspan(block * block_size, block_size), product);
       for (std::size_t l = 0; l < std::min(kLanes, columns - block * kLanes); ++l) {
         double* at = result.data() + (row * columns + block * kLanes + l) * outcomes;
         double total = 0;
@@ -339,7 +353,9 @@ void Posterior::known_on_grid(std::span<const double> field, const VariableGrid&
   }
 }
 
-void Posterior::on_grid(std::span<const double> variables, const VariableGrid& grid, std::span<double> result) const {
+void Posterior::on_prepared(std::span<const double> variables, const PreparedGrid& prepared,
+                            std::span<double> result) const {
+  const VariableGrid& grid = prepared.grid;
   GONOGO_ASSERT(variables.size() == nodes_.size() && grid.first != grid.second);
   GONOGO_ASSERT(result.size() == grid.first_values.size() * grid.second_values.size() * outcome_count());
   if (result.empty()) return;
@@ -355,7 +371,7 @@ void Posterior::on_grid(std::span<const double> variables, const VariableGrid& g
       terms *= double(nodes_[v].middle.size());
     }
   }
-  if (unknown.empty()) return known_on_grid(field, grid, result);
+  if (unknown.empty()) return known_on_grid(field, prepared, result);
   const bool exact = terms <= double(MarginalOptions().max_terms);
   const Summation plan = exact ? summation(unknown) : Summation{};
   const auto sum = [&](double x, double y, Precision precision, std::span<double> answer) {

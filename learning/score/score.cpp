@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/math/quad.h"
 #include "base/math/random.h"
 
 namespace gonogo::learning {
@@ -191,9 +192,10 @@ CalibrationLine calibration_line(std::span<const double> p, std::span<const int>
 }
 
 void sharpen(std::span<double> probability, double power) {
-  double highest = 0, sum = 0;
-  for (double p : probability) highest = std::max(highest, p);
-  for (double& p : probability) sum += p = std::pow(p / highest, power);
+  const double highest = *std::max_element(probability.begin(), probability.end());
+  for (double& p : probability) p = power * std::log(p / highest);
+  take_exponentials(probability);
+  const double sum = std::accumulate(probability.begin(), probability.end(), 0.0);
   for (double& p : probability) p /= sum;
 }
 

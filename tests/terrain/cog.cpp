@@ -73,12 +73,13 @@ Tile random_tile(int columns, int rows, bool classes) {
   return tile;
 }
 
-LayerInfo info(bool classes) {
+LayerInfo info(bool classes, bool smooth = false) {
   return {.name = classes ? "class" : "P(go)",
           .unit = classes ? "" : "1",
           .classes = classes,
           .legend = {{1, "one", "#ff0000"}, {4, "four", "#00ff00"}},
-          .metadata = {{"GONOGO_rules", "<a> & \"b\""}}};
+          .metadata = {{"GONOGO_rules", "<a> & \"b\""}},
+          .smooth = smooth};
 }
 
 }  // namespace
@@ -115,13 +116,15 @@ TEST_CASE("a layer keeps every rule of a cloud-optimised GeoTIFF") {
   }
 }
 
-TEST_CASE("GDAL reads back every cell and every overview of a layer") {
-  const bool classes = GENERATE(true, false);
+TEST_CASE("GDAL reads back every cell and every overview of a layer, with a predictor and without") {
+  const int kind = GENERATE(0, 1, 2);
+  const bool classes = kind == 0, smooth = kind == 2;
   const TemporaryFolder folder;
   constexpr int columns = 1300, rows = 1100;
   test::make_raster(folder / "grid.tif", {.columns = columns, .rows = rows});
   const Tile tile = random_tile(columns, rows, classes);
-  GeoTiffWriter writer(folder / "layer.tif", RasterSource::open_elevation(folder / "grid.tif").grid(), info(classes));
+  GeoTiffWriter writer(folder / "layer.tif", RasterSource::open_elevation(folder / "grid.tif").grid(),
+                       info(classes, smooth));
   writer.write({0, 0, columns, rows}, tile);
   writer.finish(1);
   GDALDataset* raster = GDALDataset::Open((folder / "layer.tif").c_str());

@@ -54,13 +54,17 @@ Picture picture_of(const std::filesystem::path& png) {
   GDALDataset* file = GDALDataset::Open(png.c_str());
   REQUIRE(file);
   Picture picture{file->GetRasterXSize(), file->GetRasterYSize()};
-  std::vector<unsigned char> red(std::size_t(picture.columns) * std::size_t(picture.rows)), opaque(red.size());
-  for (const auto& [band, out] : {std::pair(1, red.data()), std::pair(4, opaque.data())})
-    REQUIRE(file->GetRasterBand(band)->RasterIO(GF_Read, 0, 0, picture.columns, picture.rows, out, picture.columns,
-                                                picture.rows, GDT_Byte, 0, 0, nullptr) == CE_None);
+  std::vector<unsigned char> index(std::size_t(picture.columns) * std::size_t(picture.rows));
+  GDALRasterBand& band = *file->GetRasterBand(1);
+  REQUIRE(band.RasterIO(GF_Read, 0, 0, picture.columns, picture.rows, index.data(), picture.columns, picture.rows,
+                        GDT_Byte, 0, 0, nullptr) == CE_None);
+  const GDALColorTable* colours = band.GetColorTable();
+  REQUIRE(colours);
+  for (const unsigned char i : index) {
+    const GDALColorEntry& colour = *colours->GetColorEntry(i);
+    if (colour.c4 == 255) (colour.c1 == 10 ? picture.west : picture.east) += 1.0 / double(index.size());
+  }
   GDALClose(file);
-  for (std::size_t i = 0; i < red.size(); ++i)
-    if (opaque[i] == 255) (red[i] == 10 ? picture.west : picture.east) += 1.0 / double(red.size());
   return picture;
 }
 

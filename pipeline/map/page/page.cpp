@@ -1,15 +1,29 @@
 #include "pipeline/map/page/page.h"
 
-#include <zlib.h>
+#include <algorithm>
 
 #include "base/error.h"
 #include "base/format.h"
+#include "terrain/raster/file/deflate.h"
 
 namespace gonogo::map {
 
 namespace {
 
-/// Low bytes first, then high bytes.
+/// Difference of value i from its prediction, modulo 2^bits.
+std::uint16_t rest_of(const Blob& blob, BlobFilter filter, std::size_t i) {
+  const auto& v = blob.value;
+  const bool has_left = i % blob.width != 0, has_up = i >= blob.width;
+  const std::uint32_t left = has_left ? v[i - 1] : 0, up = has_up ? v[i - blob.width] : 0;
+  const std::uint32_t corner = has_left && has_up ? v[i - blob.width - 1] : 0;
+  std::uint32_t expected = 0;
+  if (filter == BlobFilter::left) expected = left;
+  if (filter == BlobFilter::plane) expected = left + up - corner;
+  if (filter == BlobFilter::mean) expected = (left + up) / 2;
+  return std::uint16_t((v[i] - expected) & ((1u << blob.bits) - 1));
+}
+
+/// Values as bytes: the low ones first, then the high ones.
 std::string planes(const std::vector<std::uint16_t>& value, int bits) {
   std::string bytes;
   bytes.reserve(value.size() * std::size_t(bits / 8));
@@ -18,65 +32,51 @@ std::string planes(const std::vector<std::uint16_t>& value, int bits) {
   return bytes;
 }
 
-std::string deflated(const std::string& bytes, int level) {
-  uLongf size = compressBound(uLong(bytes.size()));
-  std::string out(size, '\0');
-  const int status = compress2(reinterpret_cast<Bytef*>(out.data()), &size,
-                               reinterpret_cast<const Bytef*>(bytes.data()), uLong(bytes.size()), level);
-  if (status != Z_OK) throw DeviceError("page: zlib could not compress (status " + std::to_string(status) + ")");
-  out.resize(size);
-  return out;
+std::string packed(const std::vector<std::uint16_t>& value, int bits, int level) {
+  const std::string bytes = planes(value, bits);
+  return terrain::deflated(bytes.data(), bytes.size(), level);
+}
+
+/// Pieces of the filtered blob at equal distances, by which filters are compared.
+std::vector<std::uint16_t> sample_of(const Blob& blob, BlobFilter filter) {
+  constexpr std::size_t pieces = 8, piece = 4096;
+  const std::size_t count = blob.value.size();
+  if (count <= 2 * pieces * piece) return filtered(blob, filter);
+  std::vector<std::uint16_t> sample;
+  for (std::size_t k = 0; k < pieces; ++k)
+    for (std::size_t n = 0; n < piece; ++n)
+      sample.push_back(rest_of(blob, filter, k * (count - piece) / (pieces - 1) + n));
+  return sample;
+}
+
+BlobFilter best_filter(const Blob& blob) {
+  constexpr int fastest = 1;
+  BlobFilter best = BlobFilter::none;
+  std::size_t least = SIZE_MAX;
+  for (const BlobFilter filter : {BlobFilter::none, BlobFilter::left, BlobFilter::plane, BlobFilter::mean}) {
+    const std::size_t size = packed(sample_of(blob, filter), blob.bits, fastest).size();
+    if (size >= least) continue;
+    best = filter;
+    least = size;
+  }
+  return best;
 }
 
 }  // namespace
 
 std::vector<std::uint16_t> filtered(const Blob& blob, BlobFilter filter) {
-  const std::uint32_t mask = (1u << blob.bits) - 1;
-  const auto& v = blob.value;
-  std::vector<std::uint16_t> out(v.size());
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const bool has_left = i % blob.width != 0, has_up = i >= blob.width;
-    const std::uint32_t left = has_left ? v[i - 1] : 0, up = has_up ? v[i - blob.width] : 0;
-    const std::uint32_t corner = has_left && has_up ? v[i - blob.width - 1] : 0;
-    std::uint32_t expected = 0;
-    if (filter == BlobFilter::left) expected = left;
-    if (filter == BlobFilter::plane) expected = left + up - corner;
-    if (filter == BlobFilter::mean) expected = (left + up) / 2;
-    out[i] = std::uint16_t((v[i] - expected) & mask);
-  }
+  std::vector<std::uint16_t> out(blob.value.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = rest_of(blob, filter, i);
   return out;
 }
 
-namespace {
-
-/// Pieces of the bytes at equal distances, by which filters are compared.
-std::string sample_of(const std::string& bytes) {
-  constexpr std::size_t pieces = 8, piece = 8192;
-  if (bytes.size() <= 2 * pieces * piece) return bytes;
-  std::string sample;
-  for (std::size_t k = 0; k < pieces; ++k) sample += bytes.substr(k * (bytes.size() - piece) / (pieces - 1), piece);
-  return sample;
-}
-
-}  // namespace
-
 std::string blob_element(const Blob& blob) {
   GONOGO_ASSERT(blob.bits == 8 || blob.bits == 16);
-  constexpr int fastest = 1, usual = 4;  // 6 takes twice the time and makes pages 3 % smaller
-  std::string best;
-  std::size_t best_size = SIZE_MAX;
-  BlobFilter best_filter = BlobFilter::none;
-  for (const BlobFilter filter : {BlobFilter::none, BlobFilter::left, BlobFilter::plane, BlobFilter::mean}) {
-    std::string bytes = planes(filtered(blob, filter), blob.bits);
-    const std::size_t size = deflated(sample_of(bytes), fastest).size();
-    if (size >= best_size) continue;
-    best = std::move(bytes);
-    best_size = size;
-    best_filter = filter;
-  }
+  constexpr int usual = 4;
+  const BlobFilter filter = best_filter(blob);
   return "<script type=\"application/x-gonogo\" id=\"" + blob.name + "\" data-bits=\"" + std::to_string(blob.bits) +
-         "\" data-width=\"" + std::to_string(blob.width) + "\" data-filter=\"" + std::to_string(int(best_filter)) +
-         "\">" + base64(deflated(best, usual)) + "</script>\n";
+         "\" data-width=\"" + std::to_string(blob.width) + "\" data-filter=\"" + std::to_string(int(filter)) + "\">" +
+         base64(packed(filtered(blob, filter), blob.bits, usual)) + "</script>\n";
 }
 
 std::string script_safe(const Json& json) {

@@ -130,7 +130,8 @@ void write_reach(const fs::path& path, const terrain::MapGrid& grid, RouteCost c
        .unit = unit_of(cost),
        .classes = false,
        .legend = {{0, "0", between(0)}, {double(most), line("%g %s", most, unit_of(cost)), between(1)}},
-       .metadata = metadata});
+       .metadata = metadata,
+       .smooth = true});
   for (int top = 0; top < grid.rows; top += terrain::kTileCells) {
     const int rows = std::min(terrain::kTileCells, grid.rows - top);
     terrain::Tile band(grid.columns, rows, 0);

@@ -107,6 +107,7 @@ void write_layers(const RegionMakeRequest& request, const SoilCells& cells, cons
     classes.legend.push_back({double(code), "mixture " + std::to_string(code), "#a6865a"});
   terrain::LayerInfo wet{.name = "water over dry mass", .unit = "%", .classes = false, .legend = {}, .metadata = {}};
   wet.legend = {{0, "0", "#ffffff"}, {50, "50", "#2166ac"}};
+  wet.smooth = true;
   terrain::GeoTiffWriter soil(request.folder / "soil_class.tif", cells.grid(), classes);
   std::optional<terrain::GeoTiffWriter> held;
   if (water.property) held.emplace(request.folder / "water.tif", cells.grid(), wet);

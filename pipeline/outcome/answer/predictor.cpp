@@ -173,8 +173,9 @@ void Predictor::on_slopes(std::span<const double> points, std::span<const double
                     v_across = campaign::contract().variable_index("slope_across");
   learning::VariableGrid grid{v_along, v_across, along, across};
   if (across.size() == 1) grid = {v_across, v_along, across, along};  // the second variable is computed side by side
+  const learning::PreparedGrid prepared = posterior_.prepared(grid);
   const auto answer = [&](std::size_t n, std::span<double> own) {
-    posterior_.on_grid(points.subspan(n * width, width), grid, own);
+    posterior_.on_prepared(points.subspan(n * width, width), prepared, own);
     if (model_->calibration_power == 1) return;
     for (std::size_t i = 0; i < answers; i += outcomes)
       learning::sharpen(own.subspan(i, outcomes), model_->calibration_power);

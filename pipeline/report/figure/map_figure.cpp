@@ -24,7 +24,7 @@ using Palette = std::function<Colour(float)>;
 constexpr Colour kGridLine = {1, 1, 1, 0.45};
 
 std::uint32_t packed(Colour c) {
-  const auto byte = [](double x) { return std::uint32_t(std::lround(255 * std::clamp(x, 0.0, 1.0))); };
+  const auto byte = [](double x) { return std::uint32_t(255 * std::clamp(x, 0.0, 1.0) + 0.5); };
   return (byte(c.red) << 16) | (byte(c.green) << 8) | byte(c.blue);
 }
 

@@ -14,6 +14,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "terrain/raster/file/deflate.h"
 #include "terrain/raster/gdal_support.h"
 
 namespace gonogo::terrain {
@@ -21,48 +22,27 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "tiles are written in this machine's order of bytes");
 
-// Of DEFLATE. GDAL's default, 6, takes twice the time of libdeflate and makes layers 1 % smaller.
-constexpr int kLevel = 4;
+constexpr int kLevel = 1;  // of DEFLATE. Level 6 takes three times the time and makes layers 6 % smaller
 
-struct FreeGdal {
-  void operator()(void* memory) const { VSIFree(memory); }
-};
-
-std::string deflated(const std::vector<std::uint8_t>& bytes) {
-  std::size_t size = 0;
-  const std::unique_ptr<void, FreeGdal> packed(CPLZLibDeflate(bytes.data(), bytes.size(), kLevel, nullptr, 0, &size));
-  if (!packed) throw DeviceError("CPLZLibDeflate: a tile cannot be compressed, out of memory");
-  return {static_cast<const char*>(packed.get()), size};
+template <class Cell>
+std::string packed(const std::vector<Cell>& cells) {
+  return deflated(cells.data(), cells.size() * sizeof(Cell), kLevel);
 }
 
-void inflate(std::string_view bytes, std::vector<std::uint8_t>& out, const std::string& where) {
+template <class Cell>
+void inflate(std::string_view bytes, std::vector<Cell>& out, const std::string& where) {
   std::size_t size = 0;
-  if (!CPLZLibInflate(bytes.data(), bytes.size(), out.data(), out.size(), &size) || size != out.size())
+  if (!CPLZLibInflate(bytes.data(), bytes.size(), out.data(), out.size() * sizeof(Cell), &size) ||
+      size != out.size() * sizeof(Cell))
     throw DeviceError(where + ": a tile of the unfinished map is damaged; remove the file and start again");
 }
 
-}  // namespace
+constexpr std::size_t kRowBytes = 4 * kTileCells;  // of floats
 
-std::string encode_tile(const std::vector<std::uint8_t>& cells) {
-  std::vector<std::uint8_t> bytes(cells.size());
-  for (std::size_t row = 0; row < kTileArea; row += kTileCells) {
-    bytes[row] = cells[row];
-    for (std::size_t i = row + 1; i < row + kTileCells; ++i) bytes[i] = std::uint8_t(cells[i] - cells[i - 1]);
-  }
-  return deflated(bytes);
-}
-
-void decode_tile(std::string_view bytes, std::vector<std::uint8_t>& cells, const std::string& where) {
-  cells.resize(kTileArea);
-  inflate(bytes, cells, where);
-  for (std::size_t row = 0; row < kTileArea; row += kTileCells)
-    for (std::size_t i = row + 1; i < row + kTileCells; ++i) cells[i] = std::uint8_t(cells[i] + cells[i - 1]);
-}
-
-// Each row's bytes are sorted by weight, the highest first, and then differenced.
-std::string encode_tile(const std::vector<float>& cells) {
+/// Each row's bytes are sorted by weight, the highest first, and then differenced.
+std::vector<std::uint8_t> predicted(const std::vector<float>& cells) {
   std::vector<std::uint8_t> bytes(4 * cells.size());
-  std::uint8_t planes[4 * kTileCells];
+  std::uint8_t planes[kRowBytes];
   for (std::size_t row = 0; row < kTileArea; row += kTileCells) {
     for (std::size_t i = 0; i < kTileCells; ++i) {
       const auto word = std::bit_cast<std::uint32_t>(cells[row + i]);
@@ -70,24 +50,42 @@ std::string encode_tile(const std::vector<float>& cells) {
     }
     std::uint8_t* out = &bytes[4 * row];
     out[0] = planes[0];
-    for (std::size_t i = 1; i < sizeof planes; ++i) out[i] = std::uint8_t(planes[i] - planes[i - 1]);
+    for (std::size_t i = 1; i < kRowBytes; ++i) out[i] = std::uint8_t(planes[i] - planes[i - 1]);
   }
-  return deflated(bytes);
+  return bytes;
 }
 
-void decode_tile(std::string_view bytes, std::vector<float>& cells, const std::string& where) {
-  std::vector<std::uint8_t> planes(4 * kTileArea);
-  inflate(bytes, planes, where);
-  cells.resize(kTileArea);
+void undo_prediction(std::vector<std::uint8_t> planes, std::vector<float>& cells) {
   for (std::size_t row = 0; row < kTileArea; row += kTileCells) {
     std::uint8_t* in = &planes[4 * row];
-    for (std::size_t i = 1; i < 4 * kTileCells; ++i) in[i] = std::uint8_t(in[i] + in[i - 1]);
+    for (std::size_t i = 1; i < kRowBytes; ++i) in[i] = std::uint8_t(in[i] + in[i - 1]);
     for (std::size_t i = 0; i < kTileCells; ++i) {
       std::uint32_t word = 0;
       for (std::size_t b = 0; b < 4; ++b) word = (word << 8) | in[b * kTileCells + i];
       cells[row + i] = std::bit_cast<float>(word);
     }
   }
+}
+
+}  // namespace
+
+std::string encode_tile(const std::vector<std::uint8_t>& cells, bool) { return packed(cells); }
+
+std::string encode_tile(const std::vector<float>& cells, bool smooth) {
+  return smooth ? packed(predicted(cells)) : packed(cells);
+}
+
+void decode_tile(std::string_view bytes, std::vector<std::uint8_t>& cells, bool, const std::string& where) {
+  cells.resize(kTileArea);
+  inflate(bytes, cells, where);
+}
+
+void decode_tile(std::string_view bytes, std::vector<float>& cells, bool smooth, const std::string& where) {
+  cells.resize(kTileArea);
+  if (!smooth) return inflate(bytes, cells, where);
+  std::vector<std::uint8_t> planes(4 * kTileArea);
+  inflate(bytes, planes, where);
+  undo_prediction(std::move(planes), cells);
 }
 
 namespace {
@@ -257,7 +255,7 @@ std::vector<TiffTag> directory_tags(const CogLevel& level, bool overview, const 
                                number(262, kShort, {photometric}),
                                number(277, kShort, {1}),
                                number(284, kShort, {1}),
-                               number(317, kShort, {info.classes ? 2u : 3u}),  // predictor
+                               number(317, kShort, {info.smooth ? 3u : 1u}),  // predictor
                                number(322, kShort, {kTileCells}),
                                number(323, kShort, {kTileCells}),
                                number(kTileOffsets, big ? kLong8 : kLong, place.offset),

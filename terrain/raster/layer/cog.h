@@ -14,14 +14,14 @@
 
 namespace gonogo::terrain {
 
-/// Encodes a tile: predictor of TIFF 6.0 section 14 (bytes) or of Adobe's TIFF Technical Note 3 (floats), then
-/// DEFLATE by GDAL's own routine. `cells`: kTileArea values, row by row. Edge tiles are padded with nodata.
-std::string encode_tile(const std::vector<std::uint8_t>& cells);
-std::string encode_tile(const std::vector<float>& cells);
+/// Encodes a tile: smooth floats by the predictor of Adobe's TIFF Technical Note 3, then DEFLATE by GDAL's own routine.
+/// `cells`: kTileArea values, row by row. Edge tiles are padded with nodata.
+std::string encode_tile(const std::vector<std::uint8_t>& cells, bool smooth);
+std::string encode_tile(const std::vector<float>& cells, bool smooth);
 
 /// The reverse. Throws DeviceError, which begins with `where`, when the bytes are not such a tile.
-void decode_tile(std::string_view bytes, std::vector<std::uint8_t>& cells, const std::string& where);
-void decode_tile(std::string_view bytes, std::vector<float>& cells, const std::string& where);
+void decode_tile(std::string_view bytes, std::vector<std::uint8_t>& cells, bool smooth, const std::string& where);
+void decode_tile(std::string_view bytes, std::vector<float>& cells, bool smooth, const std::string& where);
 
 struct CogLevel {
   int columns = 0, rows = 0;  // cells

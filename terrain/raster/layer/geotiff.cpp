@@ -147,6 +147,8 @@ std::uint8_t together(const std::array<std::uint8_t, 4>& cells) {
   return frequent;
 }
 
+double nodata_of(const LayerInfo& info) { return info.classes ? kClassNoData : kFloatNoData; }
+
 /// Fills one quarter of a tile from the tile of the next larger level that lies there.
 template <class Cell>
 void halve(const std::vector<Cell>& from, std::vector<Cell>& to, int right, int below) {
@@ -167,24 +169,24 @@ void count_classes(const std::vector<float>&, ClassCounts&) {}
 /// One tile of an overview. Cells beyond the level's edge are nodata in every tile, so they need no rule.
 template <class Cell>
 std::string overview_tile(const RecordLog& tiles, const std::vector<CogLevel>& levels, std::size_t level,
-                          std::uint32_t tile, double nodata, ClassCounts* counts) {
+                          std::uint32_t tile, const LayerInfo& info, ClassCounts* counts) {
   const CogLevel &here = levels[level], &finer = levels[level - 1];
   const int across = int(tile) % here.tiles_across(), down = int(tile) / here.tiles_across();
-  std::vector<Cell> cells(kTileArea, Cell(nodata)), from;
+  std::vector<Cell> cells(kTileArea, Cell(nodata_of(info))), from;
   for (int below = 0; below < 2; ++below)
     for (int right = 0; right < 2; ++right) {
       const int x = 2 * across + right, y = 2 * down + below;
       if (x >= finer.tiles_across() || y >= finer.tiles_down()) continue;
       const std::uint32_t number = first_tile(levels, level - 1) + std::uint32_t(y * finer.tiles_across() + x);
-      decode_tile(tiles.read(number), from, tiles.path().string());
+      decode_tile(tiles.read(number), from, info.smooth, tiles.path().string());
       if (counts) count_classes(from, *counts);
       halve(from, cells, right, below);
     }
-  return encode_tile(cells);
+  return encode_tile(cells, info.smooth);
 }
 
 template <class Cell>
-ClassCounts make_overviews(RecordLog& tiles, const std::vector<CogLevel>& levels, double nodata, int threads) {
+ClassCounts make_overviews(RecordLog& tiles, const std::vector<CogLevel>& levels, const LayerInfo& info, int threads) {
   ClassCounts counts{};
   std::mutex counting;
   for (std::size_t level = 1; level < levels.size(); ++level)
@@ -194,14 +196,14 @@ ClassCounts make_overviews(RecordLog& tiles, const std::vector<CogLevel>& levels
           ClassCounts own{};
           const auto tile = std::uint32_t(t);
           tiles.append(first_tile(levels, level) + tile,
-                       overview_tile<Cell>(tiles, levels, level, tile, nodata, level == 1 ? &own : nullptr));
+                       overview_tile<Cell>(tiles, levels, level, tile, info, level == 1 ? &own : nullptr));
           const std::lock_guard lock(counting);
           for (std::size_t i = 0; i < own.size(); ++i) counts[i] += own[i];
         },
         threads);
   if (levels.size() == 1) {
     std::vector<Cell> cells;
-    decode_tile(tiles.read(0), cells, tiles.path().string());
+    decode_tile(tiles.read(0), cells, info.smooth, tiles.path().string());
     count_classes(cells, counts);
   }
   return counts;
@@ -210,14 +212,14 @@ ClassCounts make_overviews(RecordLog& tiles, const std::vector<CogLevel>& levels
 fs::path scratch_of(const fs::path& path) { return path.parent_path() / ("." + path.stem().string() + ".scratch"); }
 
 template <class Cell>
-std::string encode_window(const Tile& tile, int left, int top, double nodata) {
-  std::vector<Cell> cells(kTileArea, Cell(nodata));
+std::string encode_window(const Tile& tile, int left, int top, const LayerInfo& info) {
+  std::vector<Cell> cells(kTileArea, Cell(nodata_of(info)));
   for (int row = 0; row < std::min(kTileCells, tile.rows - top); ++row)
     for (int column = 0; column < std::min(kTileCells, tile.columns - left); ++column) {
       const float v = tile.at(left + column, top + row);
       if (!std::isnan(v)) cells[std::size_t(row) * kTileCells + std::size_t(column)] = Cell(v);
     }
-  return encode_tile(cells);
+  return encode_tile(cells, info.smooth);
 }
 
 }  // namespace
@@ -244,8 +246,8 @@ void GeoTiffWriter::write(Window window, const Tile& tile) {
     for (int left = 0; left < window.columns; left += kTileCells) {
       const int number = (window.row + top) / kTileCells * across + (window.column + left) / kTileCells;
       state_->tiles.append(std::uint32_t(number), state_->info.classes
-                                                      ? encode_window<std::uint8_t>(tile, left, top, kClassNoData)
-                                                      : encode_window<float>(tile, left, top, kFloatNoData));
+                                                      ? encode_window<std::uint8_t>(tile, left, top, state_->info)
+                                                      : encode_window<float>(tile, left, top, state_->info));
     }
 }
 
@@ -258,8 +260,8 @@ void GeoTiffWriter::forget() { state_->tiles.remove(); }
 
 void GeoTiffWriter::finish(int threads) {
   State& s = *state_;
-  const ClassCounts counts = s.info.classes ? make_overviews<std::uint8_t>(s.tiles, s.levels, kClassNoData, threads)
-                                            : make_overviews<float>(s.tiles, s.levels, kFloatNoData, threads);
+  const ClassCounts counts = s.info.classes ? make_overviews<std::uint8_t>(s.tiles, s.levels, s.info, threads)
+                                            : make_overviews<float>(s.tiles, s.levels, s.info, threads);
   const CogTiles tiles = {[&](std::uint32_t t) { return s.tiles.size_of(t); },
                           [&](std::uint32_t t) { return s.tiles.read(t); }};
   replace_file_atomically(s.path, [&](const fs::path& file) { write_cog(file, s.grid, s.info, s.levels, tiles); });

@@ -26,6 +26,7 @@ struct LayerInfo {
   bool classes = false;  // true: bytes, nodata 255; false: float32, nodata -9999
   std::vector<LegendEntry> legend;
   std::vector<std::pair<std::string, std::string>> metadata;
+  bool smooth = false;  // of floats: neighbours differ a little. Those of a table repeat, and pack best as they are
 };
 
 /// Cells along the side of a tile.

@@ -182,6 +182,7 @@ PictureSize picture_size(const DegreeBox& box, int longest) {
   return {pixels(std::min(1.0, ratio)), pixels(std::min(1.0, 1 / ratio))};
 }
 
+/// Warped to degrees, in the layer's own colours; nodata is clear. Nothing if GDAL cannot do that.
 DatasetHandle warped(GDALDataset& source, const GlobePlace& place, const DegreeBox& box, PictureSize size) {
   CPLStringList words;
   for (const char* word : {"-of", "MEM", "-r", "near", "-dstnodata", "255", "-t_srs", place.wkt.c_str(), "-te"})
@@ -196,18 +197,6 @@ DatasetHandle warped(GDALDataset& source, const GlobePlace& place, const DegreeB
   DatasetHandle result(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &handle, options, &usage_error)));
   GDALWarpAppOptionsFree(options);
   return result;
-}
-
-/// Warped to degrees and turned into red, green, blue and opacity. Nothing if GDAL cannot do that.
-DatasetHandle picture_of(GDALDataset& source, const GlobePlace& place, const DegreeBox& box, PictureSize size) {
-  const DatasetHandle turned = warped(source, place, box, size);
-  if (!turned) return nullptr;
-  const char* words[] = {"-of", "MEM", "-expand", "rgba", nullptr};
-  GDALTranslateOptions* options = GDALTranslateOptionsNew(const_cast<char**>(words), nullptr);
-  int usage_error = 0;
-  DatasetHandle coloured(GDALDataset::FromHandle(GDALTranslate("", turned.get(), options, &usage_error)));
-  GDALTranslateOptionsFree(options);
-  return coloured;
 }
 
 std::string overlay_text(const DegreeBox& box, const std::string& picture, const std::string& title,
@@ -256,7 +245,7 @@ OverlayAnswer write_overlay(const fs::path& kml, const fs::path& png, const fs::
   const int side = std::min(longest, std::max(source->GetRasterXSize(), source->GetRasterYSize()));
   std::vector<DatasetHandle> pictures;
   for (const DegreeBox& box : place.pieces) {
-    pictures.push_back(picture_of(*source, place, box, picture_size(box, side)));
+    pictures.push_back(warped(*source, place, box, picture_size(box, side)));
     if (!pictures.back()) return {{}, "the map cannot be turned to degrees (" + call.message() + ")"};
   }
   std::string list = description + "\n";

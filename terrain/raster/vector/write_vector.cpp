@@ -196,27 +196,40 @@ void write_lines(const fs::path& path, const MapGrid& grid, const std::string& l
 
 namespace {
 
-/// Fills in what GDALPolygonize leaves open.
-void describe_polygons(OGRLayer& layer, const MapGrid& grid, double cell_m, const std::vector<LegendEntry>& legend,
-                       const fs::path& path, const GdalCall& call) {
-  layer.ResetReading();
-  std::vector<GIntBig> numbers;
-  for (const auto& feature : layer) numbers.push_back(feature->GetFID());
-  for (const GIntBig number : numbers) {
-    const OGRFeatureUniquePtr feature(layer.GetFeature(number));
-    for (const LegendEntry& entry : legend)
-      if (int(entry.value) == feature->GetFieldAsInteger("code")) feature->SetField("class", entry.label.c_str());
-    const auto* polygon = feature->GetGeometryRef() ? feature->GetGeometryRef()->toPolygon() : nullptr;
-    if (polygon)
-      feature->SetField("area_km2", polygon->get_Area() * grid.metres_per_unit * grid.metres_per_unit * 1e-6);
-    feature->SetField("cell_m", cell_m);
-    if (layer.SetFeature(feature.get()) != OGRERR_NONE) refuse_to_write(path, call);
-  }
+/// Polygons of equal cells in memory, with the field "code" alone.
+DatasetHandle polygons_of(GDALDataset& source, const fs::path& path, const GdalCall& call) {
+  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("Memory");
+  if (!driver) driver = GetGDALDriverManager()->GetDriverByName("MEM");  // both in one from GDAL 3.11 on
+  if (!driver) throw DeviceError("this GDAL has no MEM driver");
+  DatasetHandle memory(driver->Create("", 0, 0, 0, GDT_Unknown, nullptr));
+  OGRLayer* layer = memory ? memory->CreateLayer("polygons", nullptr, wkbPolygon, nullptr) : nullptr;
+  if (!layer) refuse_to_write(path, call);
+  add_field(*layer, "code", OFTInteger, path, call);
+  GDALRasterBand& band = *source.GetRasterBand(1);
+  if (GDALPolygonize(&band, band.GetMaskBand(), layer, 0, nullptr, nullptr, nullptr) != CE_None)
+    refuse_to_write(path, call);
+  return memory;
+}
+
+/// Adds the polygon, its code, class and area, and the width of its cells [m].
+void add_polygon(OGRLayer& layer, OGRFeature& polygon, const MapGrid& grid, double cell_m,
+                 const std::vector<LegendEntry>& legend, const fs::path& path, const GdalCall& call) {
+  OGRFeature feature(layer.GetLayerDefn());
+  const int code = polygon.GetFieldAsInteger("code");
+  feature.SetField("code", code);
+  for (const LegendEntry& entry : legend)
+    if (int(entry.value) == code) feature.SetField("class", entry.label.c_str());
+  if (const OGRGeometry* shape = polygon.GetGeometryRef())
+    feature.SetField("area_km2", shape->toPolygon()->get_Area() * grid.metres_per_unit * grid.metres_per_unit * 1e-6);
+  feature.SetField("cell_m", cell_m);
+  feature.SetGeometryDirectly(polygon.StealGeometry());
+  if (layer.CreateFeature(&feature) != OGRERR_NONE) refuse_to_write(path, call);
 }
 
 void polygonize(const fs::path& path, const std::string& name, GDALDataset& source, const MapGrid& grid,
                 const std::vector<LegendEntry>& legend) {
   const GdalCall call;
+  const DatasetHandle polygons = polygons_of(source, path, call);
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
   if (!driver) throw DeviceError("this GDAL has no GPKG driver");
   DatasetHandle file(driver->Create(path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
@@ -228,11 +241,9 @@ void polygonize(const fs::path& path, const std::string& name, GDALDataset& sour
   add_field(*layer, "class", OFTString, path, call);
   add_field(*layer, "area_km2", OFTReal, path, call);
   add_field(*layer, "cell_m", OFTReal, path, call);
-  GDALRasterBand& band = *source.GetRasterBand(1);
-  if (file->StartTransaction() != OGRERR_NONE ||
-      GDALPolygonize(&band, band.GetMaskBand(), layer, 0, nullptr, nullptr, nullptr) != CE_None)
-    refuse_to_write(path, call);
-  describe_polygons(*layer, grid, grid.cell_width_m() * grid.columns / source.GetRasterXSize(), legend, path, call);
+  if (file->StartTransaction() != OGRERR_NONE) refuse_to_write(path, call);
+  const double cell_m = grid.cell_width_m() * grid.columns / source.GetRasterXSize();
+  for (const auto& polygon : polygons->GetLayer(0)) add_polygon(*layer, *polygon, grid, cell_m, legend, path, call);
   embed_style(*file, name, {.column = "class", .polygons = true, .legend = legend}, path);
   if (file->CommitTransaction() != OGRERR_NONE) refuse_to_write(path, call);
 }

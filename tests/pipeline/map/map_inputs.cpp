@@ -224,7 +224,10 @@ TEST_CASE("the exports of a map open, hold its areas, and show hostile text as t
   CHECK_FALSE(contains(kml, "<b>"));
   GDALDataset* picture = GDALDataset::Open((folder / "map/overlay.png").c_str());
   REQUIRE(picture);
-  CHECK(picture->GetRasterCount() == 4);
+  const GDALColorTable* colours = picture->GetRasterBand(1)->GetColorTable();
+  REQUIRE(colours);
+  CHECK(colours->GetColorEntry(int(Verdict::go))->c4 == 255);
+  CHECK(colours->GetColorEntry(255)->c4 == 0);  // no data
   GDALClose(picture);
   const Json item = Json::read(folder / "map/stac.json");
   CHECK(item.at("type").string() == "Feature");
