@@ -51,7 +51,7 @@ def test_versions_are_one(root):
 
 
 # Packages of conda-forge for what CMake looks for; the rest comes with the compiler, or is left out by the recipe's options.
-HOST = {"Boost": "libboost-headers", "CLI11": "cli11", "Eigen3": "eigen", "GDAL": "libgdal-core", "HDF5": "hdf5", "ZLIB": "zlib",
+HOST = {"Boost": "libboost-headers", "CLI11": "cli11", "Eigen3": "eigen", "GDAL": "libgdal-core", "HDF5": "hdf5", "PNG": "libpng",
         "nanobind": "nanobind", "nlohmann_json": "nlohmann_json", "Python": "python"}
 LEFT_OUT = {"CUDAToolkit", "Torch", "MPI", "Catch2", "Python3"}
 OF_THE_COMPILER = {"OpenMP", "Threads", "PkgConfig"}
