@@ -22,4 +22,9 @@ std::string deflated(const void* bytes, std::size_t size, int level) {
   return {static_cast<const char*>(packed.get()), packed_size};
 }
 
+bool inflate(std::string_view bytes, void* out, std::size_t size) {
+  std::size_t found = 0;
+  return CPLZLibInflate(bytes.data(), bytes.size(), out, size, &found) && found == size;
+}
+
 }  // namespace gonogo::terrain

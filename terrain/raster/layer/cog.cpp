@@ -30,10 +30,8 @@ std::string packed(const std::vector<Cell>& cells) {
 }
 
 template <class Cell>
-void inflate(std::string_view bytes, std::vector<Cell>& out, const std::string& where) {
-  std::size_t size = 0;
-  if (!CPLZLibInflate(bytes.data(), bytes.size(), out.data(), out.size() * sizeof(Cell), &size) ||
-      size != out.size() * sizeof(Cell))
+void unpack(std::string_view bytes, std::vector<Cell>& out, const std::string& where) {
+  if (!inflate(bytes, out.data(), out.size() * sizeof(Cell)))
     throw DeviceError(where + ": a tile of the unfinished map is damaged; remove the file and start again");
 }
 
@@ -77,14 +75,14 @@ std::string encode_tile(const std::vector<float>& cells, bool smooth) {
 
 void decode_tile(std::string_view bytes, std::vector<std::uint8_t>& cells, bool, const std::string& where) {
   cells.resize(kTileArea);
-  inflate(bytes, cells, where);
+  unpack(bytes, cells, where);
 }
 
 void decode_tile(std::string_view bytes, std::vector<float>& cells, bool smooth, const std::string& where) {
   cells.resize(kTileArea);
-  if (!smooth) return inflate(bytes, cells, where);
+  if (!smooth) return unpack(bytes, cells, where);
   std::vector<std::uint8_t> planes(4 * kTileArea);
-  inflate(bytes, planes, where);
+  unpack(bytes, planes, where);
   undo_prediction(std::move(planes), cells);
 }
 
