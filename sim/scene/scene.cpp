@@ -26,6 +26,12 @@ BodyMass solid(Real mass, const Vec3& inertia_B) {
   return m;
 }
 
+SceneWorld vacant_world() {
+  SceneWorld w;
+  w.add_body({}, fixed_body());
+  return w;
+}
+
 BodyIndex SceneWorld::add_body(const BodyState& state, const BodyMass& body_mass) {
   body.push_back(state);
   mass.push_back(body_mass);

@@ -67,6 +67,9 @@ BodyMass fixed_body();
 
 using Scene = std::vector<SceneWorld>;
 
+/// A body that does not move, for places of a batch that nobody has: stepping it costs next to nothing.
+SceneWorld vacant_world();
+
 /// Adds a body with the mass properties of the mesh as a solid of this density [kg/m^3], and the spheres of the cover
 /// as its shapes. `at`: position and orientation of the mesh's axes, and velocity of its centre of mass. The body's
 /// axes are its principal axes of inertia. Returns the body's index.

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/parallel/host_loop.h"
 #include "base/progress.h"
-#include "sim/simulation/layout/vacant.h"
 
 namespace gonogo::terrain {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "sim/simulation/layout/vacant.h"
 #include "sim/simulation/parts/divided.h"
 
 namespace gonogo::campaign {
