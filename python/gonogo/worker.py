@@ -12,8 +12,11 @@ def main() -> None:
     parser.add_argument("--gpu", type=int, default=0)
     parser.add_argument("--checkpoints", default="")
     parser.add_argument("--checkpoint-every", type=float, default=30.0)
+    parser.add_argument("--courses", default="")
+    parser.add_argument("--course-every", type=float, default=0.05)
     given = parser.parse_args()
-    _core.run_worker(given.study, given.device, given.places, given.gpu, given.checkpoints, given.checkpoint_every)
+    _core.run_worker(given.study, given.device, given.places, given.gpu, given.checkpoints, given.checkpoint_every,
+                     given.courses, given.course_every)
 
 
 if __name__ == "__main__":

@@ -79,13 +79,16 @@ Array<double> design(const std::string& study_file) {
 }
 
 void run_worker(const std::string& study, const std::string& device, int places, int gpu,
-                const std::string& checkpoints, double checkpoint_every) {
+                const std::string& checkpoints, double checkpoint_every, const std::string& courses,
+                double course_every) {
   campaign::WorkerOptions options;
   options.device = device == "cuda" ? sim::Backend::cuda : sim::Backend::cpu;
   options.places = places;
   options.gpu = gpu;
   options.checkpoints = checkpoints;
   options.checkpoint_every = checkpoint_every;
+  options.courses = courses;
+  options.course_every = course_every;
   long_call([&] { campaign::run_study_worker(campaign::read_study(study), options); });
 }
 
@@ -99,6 +102,7 @@ void bind_campaign(nb::module_& m) {
   m.def("campaign_status", &status, "folder"_a, "The progress; may be called while a campaign runs.");
   m.def("design", &design, "study"_a, "Points of a study's design [trial_count, variable_count].");
   m.def("run_worker", &run_worker, "study"_a, "device"_a, "places"_a, "gpu"_a, "checkpoints"_a, "checkpoint_every"_a,
+        "courses"_a, "course_every"_a,
         "A worker process of a campaign: points from standard input, trials to standard output.");
 }
 

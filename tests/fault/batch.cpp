@@ -1,10 +1,17 @@
 // Campaigns whose workers have several trials side by side, killed: trials go on from where they were saved.
+#include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 #include "base/files/file.h"
+#include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/engine/campaign.h"
+#include "pipeline/campaign/engine/folder.h"
+#include "pipeline/campaign/trial/watch.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
@@ -59,6 +66,20 @@ std::vector<pid_t> workers_of(const fs::path& out) {
   return found;
 }
 
+/// Files of the folder of courses by name, with their content.
+std::map<std::string, std::string> courses_of(const fs::path& out) {
+  std::map<std::string, std::string> courses;
+  for (const std::string& file : files_below(campaign::course_folder(out)))
+    courses[file] = read_file(campaign::course_folder(out) / file);
+  return courses;
+}
+
+std::string last_line(const std::string& text) {
+  const auto end = text.find_last_not_of('\n');
+  const auto begin = text.rfind('\n', end);
+  return text.substr(begin + 1, end - begin);
+}
+
 }  // namespace
 
 TEST_CASE("a campaign gives the same dataset bits with 1, 3 and 8 places") {
@@ -86,6 +107,37 @@ TEST_CASE("a campaign killed with kill -9 goes on from its saved trials to the s
   CHECK(dataset_of(s, out, 2, 2) == expected);
   CHECK_FALSE(fs::exists(campaign::running_folder(out)));
   check_nothing_half_written(out);
+}
+
+TEST_CASE("a campaign writes the course of every trial and keeps its dataset bits") {
+  const StudyFolder s;
+  const std::string expected = dataset_of(s, s.path("without"), 1, 1);
+  const fs::path out = s.out();
+  std::vector<std::string> words = campaign_words(s, out, 1, 3);
+  words.insert(words.end(), {"--course-every", "0.02"});
+  REQUIRE(run_gonogo(words).exit_code == 0);
+  CHECK(read_file(out / "dataset.h5") == expected);
+  const auto courses = courses_of(out);
+  const campaign::Dataset dataset = campaign::read_dataset(out / "dataset.h5");
+  REQUIRE(courses.size() == dataset.records.size());
+  for (const campaign::TrialRecord& record : dataset.records) {
+    const std::string course = courses.at(std::to_string(record.point.index) + ".csv");
+    INFO(record.point.index);
+    CHECK(course.rfind(campaign::kSampleColumns, 0) == 0);
+    double time = 0, x = 0;
+    REQUIRE(std::sscanf(last_line(course).c_str(), "%lf,%lf", &time, &x) == 2);
+    CHECK_THAT(std::max(0.0, x - 0.05), WithinAbs(measure_of(record, "distance"), 2e-5));  // behind the run-in
+    CHECK_THAT(time - 0.05, WithinAbs(measure_of(record, "drive_time"), 1e-4));
+    const auto lines = std::count(course.begin(), course.end(), '\n');
+    CHECK(std::abs(double(lines) - 1 - time / 0.02) <= 1.5);
+  }
+  words[3] = s.path("killed");
+  RunOptions kill;
+  kill.signal = SIGKILL;
+  kill.when = [&] { return finished(s.path("killed")) >= 1 && saved_trials(s.path("killed")).size() >= 2; };
+  REQUIRE(run_gonogo(words, kill).signal == SIGKILL);
+  REQUIRE(run_gonogo(words).exit_code == 0);
+  CHECK(courses_of(s.path("killed")) == courses);
 }
 
 TEST_CASE("a worker killed with kill -9 is replaced, and its trials go on to the same dataset bits") {

@@ -23,7 +23,7 @@ struct CampaignOptions {
   std::string study, folder;
   int workers = 0, places = 0, gpus = 0;
   std::string device, engine = "local";
-  double checkpoint_every = -1;
+  double checkpoint_every = -1, course_every = -1;
   std::size_t trials_per_shard = 256;
   std::uint64_t task = 0, tasks = 1;
   int max_tasks = 0;
@@ -39,6 +39,7 @@ campaign::ComputeRequest compute_of(const CampaignOptions& options, const Global
   if (options.gpus > 0) request.gpus = options.gpus;
   if (options.workers > 0) request.workers = options.workers;
   if (options.checkpoint_every >= 0) request.checkpoint_every = options.checkpoint_every;
+  if (options.course_every >= 0) request.course_every = options.course_every;
   return request;
 }
 
@@ -149,6 +150,10 @@ void add_compute_options(CLI::App& command, CampaignOptions& options) {
       .add_option("--checkpoint-every", options.checkpoint_every,
                   "Interval at which running trials are saved [s]; default: the study's, or 30; 0: never")
       ->check(CLI::Range(0.0, 1e6));
+  command
+      .add_option("--course-every", options.course_every,
+                  "Writes courses/TRIAL.csv, a line per so much simulated time [s]; default: the study's, or 0: none")
+      ->check(CLI::Range(0.0, 1e3));
 }
 
 void add_shard_option(CLI::App& command, CampaignOptions& options) {
@@ -190,6 +195,7 @@ std::vector<std::string> task_command(const CampaignOptions& options) {
   if (options.places > 0) words.insert(words.end(), {"--places", std::to_string(options.places)});
   if (options.checkpoint_every >= 0)
     words.insert(words.end(), {"--checkpoint-every", std::to_string(options.checkpoint_every)});
+  if (options.course_every >= 0) words.insert(words.end(), {"--course-every", std::to_string(options.course_every)});
   return words;
 }
 
@@ -360,6 +366,8 @@ void add_worker(CLI::App& parent) {
   command->add_option("--gpu", options->gpu);
   command->add_option("--checkpoints", options->checkpoints);
   command->add_option("--checkpoint-every", options->checkpoint_every);
+  command->add_option("--courses", options->courses);
+  command->add_option("--course-every", options->course_every);
   command->callback([study, options] { campaign::run_study_worker(campaign::read_study(*study), *options); });
 }
 

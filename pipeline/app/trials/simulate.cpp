@@ -62,11 +62,6 @@ std::vector<double> with_settings(std::vector<double> values, const SimulateOpti
   return values;
 }
 
-std::string csv_line(const campaign::TrialSample& s) {
-  return line("%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3e,%d,%d\n", s.time, s.x, s.y, s.sinkage, s.speed, s.slip, s.torque,
-              s.residual, s.contacts, s.iterations);
-}
-
 report::FilmRequest film_request(const Globals& globals, const SimulateOptions& options) {
   report::FilmRequest film = options.film;
   int used = 0;
@@ -114,13 +109,13 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
   campaign::TrialWatch watch;
   watch.start = [&] {
     taken = 0;
-    csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
+    csv = campaign::kSampleColumns;
     film.start();
   };
   std::vector<sim::PartShare> shares;  // of the GPUs
   watch.shares = [&](const std::vector<sim::PartShare>& now) { shares = now; };
   watch.sample = [&](const campaign::TrialSample& s) {
-    csv += csv_line(s);
+    csv += campaign::csv_line(s);
     const std::string loads = shares.empty() ? "" : ", " + sim::loads_text(shares);
     progress.update(std::min(++taken, steps), line("%.2f m after %.1f s", s.x, s.time) + loads);
   };

@@ -108,6 +108,7 @@ std::vector<fs::path> journals_of(const fs::path& folder) {
 }
 fs::path dataset_path(const fs::path& folder) { return folder / "dataset.h5"; }
 fs::path running_folder(const fs::path& folder) { return folder / "running"; }
+fs::path course_folder(const fs::path& folder) { return folder / "courses"; }
 fs::path saved_trial_path(const fs::path& running, std::uint64_t index) {
   return running / ("trial-" + std::to_string(index) + ".h5");
 }

@@ -19,6 +19,8 @@ std::filesystem::path journal_path(const std::filesystem::path& folder, std::uin
 std::vector<std::filesystem::path> journals_of(const std::filesystem::path& folder);
 std::filesystem::path dataset_path(const std::filesystem::path& folder);
 std::filesystem::path running_folder(const std::filesystem::path& folder);
+/// CSV files of the trials' courses, where they are asked for.
+std::filesystem::path course_folder(const std::filesystem::path& folder);
 /// Where a worker saves a trial that is under way.
 std::filesystem::path saved_trial_path(const std::filesystem::path& running, std::uint64_t index);
 

@@ -3,6 +3,7 @@
 #include <gnu/libc-version.h>
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "base/error.h"
@@ -96,6 +97,7 @@ struct ComputeSettings {
   int workers = 1;
   int gpus = 0;                  // that the workers share; 0 for the cpu
   double checkpoint_every = 30;  // running trials are saved [s of the wall clock]; 0: never
+  double course_every = 0;       // simulated time between two lines of a trial's course [s]; 0: none is written
   int threads = 1;               // for what the host does itself
 };
 
@@ -108,6 +110,7 @@ ComputeRequest read_compute_section(const Study& study) {
   if (c->has("gpus")) s.gpus = int(c->integer("gpus", {1, 64}));
   if (c->has("workers")) s.workers = int(c->integer("workers", {1, 4096}));
   if (c->has("checkpoint_s")) s.checkpoint_every = c->number("checkpoint_s", {0, 1e6});
+  if (c->has("course_s")) s.course_every = c->number("course_s", {0, 1e3});
   c->finish();
   return s;
 }
@@ -145,6 +148,7 @@ ComputeSettings read_compute(const Study& study, const ComputeRequest& request) 
   s.places = chosen(request.places, section.places, on_gpu ? kPlacesOfGpu : 1);
   s.workers = chosen(request.workers, section.workers, on_gpu ? s.gpus : s.threads);
   s.checkpoint_every = chosen(request.checkpoint_every, section.checkpoint_every, s.checkpoint_every);
+  s.course_every = chosen(request.course_every, section.course_every, s.course_every);
   return s;
 }
 
@@ -155,16 +159,37 @@ class BatchEngine : public TrialEngine {
 
   bool has_room() const override { return batch_.free_places() > 0; }
   bool is_running() const override { return batch_.running() > 0; }
-  void start(const DesignPoint& point) override { batch_.start(point, {}, checkpoint(point)); }
-  std::vector<TrialRecord> advance() override { return batch_.advance(); }
+  void start(const DesignPoint& point) override { batch_.start(point, watch(point), checkpoint(point)); }
+
+  std::vector<TrialRecord> advance() override {
+    std::vector<TrialRecord> ended = batch_.advance();
+    for (const TrialRecord& record : ended) write_course(record.point.index);
+    return ended;
+  }
 
  private:
+  TrialWatch watch(const DesignPoint& point) {
+    if (options_.courses.empty()) return {};
+    std::string& course = course_[point.index];
+    return {.start = [&course] { course = kSampleColumns; },
+            .sample = [&course](const TrialSample& s) { course += csv_line(s); },
+            .sample_interval = options_.course_every,
+            .shares = {},
+            .frame = {}};
+  }
+
+  void write_course(std::uint64_t trial) {
+    const auto course = course_.extract(trial);
+    if (course) write_file_atomically(options_.courses / (std::to_string(trial) + ".csv"), course.mapped());
+  }
+
   TrialCheckpoint checkpoint(const DesignPoint& point) const {
     if (options_.checkpoints.empty()) return {};
     return {saved_trial_path(options_.checkpoints, point.index), options_.checkpoint_every, true};
   }
 
   const WorkerOptions& options_;
+  std::map<std::uint64_t, std::string> course_;  // of running trials, by index; must outlive the batch
   TrialBatch batch_;
 };
 
@@ -216,6 +241,10 @@ CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::p
   request.checkpoint_every = compute.checkpoint_every;
   request.worker_command.insert(request.worker_command.end(), {"--device", compute.gpus > 0 ? "cuda" : "cpu",
                                                                "--places", std::to_string(compute.places)});
+  if (compute.course_every > 0)
+    request.worker_command.insert(
+        request.worker_command.end(),
+        {"--courses", course_folder(folder).string(), "--course-every", number_text(compute.course_every, 6)});
   request.prepare = [setup, design = request.design, threads = compute.threads] {
     prepare_trials(*setup, design, threads);
   };
@@ -236,8 +265,11 @@ WorkerOptions worker_options(const Study& study, const std::filesystem::path& fo
                         .places = compute.places,
                         .gpu = compute.gpus > 0 ? worker % compute.gpus : 0,
                         .checkpoints = {},
-                        .checkpoint_every = compute.checkpoint_every};
+                        .checkpoint_every = compute.checkpoint_every,
+                        .courses = {},
+                        .course_every = compute.course_every};
   if (compute.checkpoint_every > 0) options.checkpoints = running_folder(folder);
+  if (compute.course_every > 0) options.courses = course_folder(folder);
   return options;
 }
 

@@ -33,6 +33,7 @@ struct ComputeRequest {
   std::optional<int> places, workers;
   std::optional<int> gpus;                 // that the workers share; all without a number. Means device "cuda"
   std::optional<double> checkpoint_every;  // [s]
+  std::optional<double> course_every;      // simulated time between two lines of a trial's course [s]; 0: none
   int threads = 0;                         // 0: one per core
 };
 
@@ -56,6 +57,8 @@ struct WorkerOptions {
   int gpu = 0;                        // of this machine, for the device cuda
   std::filesystem::path checkpoints;  // folder; empty: trials are not saved
   double checkpoint_every = 30;       // [s]
+  std::filesystem::path courses;      // folder; empty: courses of trials are not written
+  double course_every = 0.05;         // simulated time between two of their lines [s]
 };
 
 /// Computes trials of the study until `line`, or without one standard input, ends. A trial with a saved state goes on

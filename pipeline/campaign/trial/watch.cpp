@@ -4,7 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/format.h"
+
 namespace gonogo::campaign {
+
+std::string csv_line(const TrialSample& s) {
+  return line("%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3e,%d,%d\n", s.time, s.x, s.y, s.sinkage, s.speed, s.slip, s.torque,
+              s.residual, s.contacts, s.iterations);
+}
 
 TrialWatcher::TrialWatcher(const TrialSetup& setup, TrialWatch watch)
     : watch_(std::move(watch)), wheels_(watched_wheels(setup)) {}
@@ -24,7 +31,7 @@ void TrialWatcher::show_failed_bed(const RunningWorld& now, double residual) {
 }
 
 void TrialWatcher::begin_drive(const RunningWorld& now) {
-  show_samples(now);
+  show_samples(now, false);
   if (now.step == 0) show_frame(now);
   pass_due_frames(now.step);
   remember(now);
@@ -32,7 +39,7 @@ void TrialWatcher::begin_drive(const RunningWorld& now) {
 
 void TrialWatcher::look(const RunningWorld& now, bool stopped) {
   show_shares(now);
-  show_samples(now);
+  show_samples(now, stopped);
   if (stopped || now.step >= next_frame()) show_frame(now);
   if (!stopped) remember(now);
 }
@@ -114,12 +121,14 @@ TrialSample TrialWatcher::seen(const RunningWorld& now, const sim::MonitorSample
           .iterations = s.iterations};
 }
 
-void TrialWatcher::show_samples(const RunningWorld& now) {
+void TrialWatcher::show_samples(const RunningWorld& now, bool stopped) {
   if (!watch_.sample) return;
+  const Index every = std::max<Index>(1, Index(std::lround(watch_.sample_interval / step_)));
   const Index count = now.simulation.monitor(now.place, 0).sample_count - shown_samples_;
   const auto samples = now.simulation.samples(now.place, 0, shown_samples_, count);
   for (Index k = 0; k < count; ++k) {
     const Index at = shown_samples_ + k;
+    if ((at + 1) % every != 0 && !(stopped && k + 1 == count)) continue;
     watch_.sample(seen(now, samples[std::size_t(k)], means_at(now, at), at + 1));
   }
   shown_samples_ += count;

@@ -1,6 +1,7 @@
 // Watching a trial: samples after every step, frames for films at intervals. Watching does not change its bits.
 #pragma once
 #include <functional>
+#include <string>
 
 #include "pipeline/campaign/trial/judge.h"
 
@@ -21,6 +22,11 @@ struct TrialSample {
 };
 using TrialObserver = std::function<void(const TrialSample&)>;
 
+/// A sample as a line of a CSV file, and the names of its columns.
+inline constexpr const char* kSampleColumns =
+    "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
+std::string csv_line(const TrialSample& s);
+
 /// The bodies of a running trial, valid during the call.
 struct TrialFrame {
   const TrialSample& sample;
@@ -33,7 +39,8 @@ struct TrialFrame {
 /// Observers of a trial. Watching does not change its bits.
 struct TrialWatch {
   std::function<void()> start;  // before each attempt: drop what an earlier one showed
-  TrialObserver sample;         // after every step
+  TrialObserver sample;         // after every step, or at intervals and at the end
+  double sample_interval = 0;   // [s]; 0: every step
   std::function<void(const std::vector<sim::PartShare>&)> shares;  // of a divided world, before samples are shown
   std::function<void(const TrialFrame&)> frame;                    // at the start, at intervals, and at the end
   double frame_interval = 0.02;                                    // [s]
@@ -72,7 +79,7 @@ class TrialWatcher {
   void pass_due_frames(Index step);
   void remember(const RunningWorld& now);
   void show_shares(const RunningWorld& now);
-  void show_samples(const RunningWorld& now);
+  void show_samples(const RunningWorld& now, bool stopped);
   void show_frame(const RunningWorld& now);
   /// Means over the driven wheels; sinkage over all that touch the ground.
   struct Means {
