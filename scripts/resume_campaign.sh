@@ -62,14 +62,20 @@ unpack() {
 
 # From a copy, since a campaign that runs appends to its journal meanwhile: a line cut short is computed again.
 pack() {
-  local gonogo copy
+  local gonogo copy part
   gonogo=$(any_program)
   [[ -f $folder/campaign.json ]] || fail "$folder: holds no campaign; '$0 $data status' unpacks it"
   copy=$(mktemp -d)
   mkdir "$copy/$name"
-  cp -r "$folder"/{campaign.json,shards,trials} "$copy/$name/"
+  for part in campaign.json shards trials courses; do
+    [[ ! -e $folder/$part ]] || cp -r "$folder/$part" "$copy/$name/"
+  done
   tar -C "$copy" --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -cf - "$name" | gzip -9n > "$archive.new"
-  "$gonogo" campaign snapshot "$copy/$name" --out "$data/dataset.h5"
+  if compgen -G "$copy/$name/shards/*.json" > /dev/null; then
+    "$gonogo" campaign snapshot "$copy/$name" --out "$data/dataset.h5"
+  else
+    say "no dataset yet: the campaign's first shard is not whole"
+  fi
   "$gonogo" campaign status "$copy/$name"
   mv "$archive.new" "$archive"
   rm -r "$copy"
