@@ -126,12 +126,13 @@ TEST_CASE("a campaign writes the course of every trial and keeps its dataset bit
     CHECK(course.rfind(campaign::kSampleColumns, 0) == 0);
     double time = 0, x = 0;
     REQUIRE(std::sscanf(last_line(course).c_str(), "%lf,%lf", &time, &x) == 2);
-    CHECK_THAT(std::max(0.0, x - 0.05), WithinAbs(measure_of(record, "distance"), 2e-5));  // behind the run-in
-    CHECK_THAT(time - 0.05, WithinAbs(measure_of(record, "drive_time"), 1e-4));
+    CHECK_THAT(std::max(0.0, x - 0.05),
+               Catch::Matchers::WithinAbs(measure_of(record, "distance"), 2e-5));  // behind the run-in
+    CHECK_THAT(time - 0.05, Catch::Matchers::WithinAbs(measure_of(record, "drive_time"), 1e-4));
     const auto lines = std::count(course.begin(), course.end(), '\n');
     CHECK(std::abs(double(lines) - 1 - time / 0.02) <= 1.5);
   }
-  words[3] = s.path("killed");
+  words[4] = s.path("killed");
   RunOptions kill;
   kill.signal = SIGKILL;
   kill.when = [&] { return finished(s.path("killed")) >= 1 && saved_trials(s.path("killed")).size() >= 2; };
