@@ -44,9 +44,9 @@ std::vector<std::string> names_of(const Table& table) {
 /// Position of the entry called `name`; the InputError names the nearest one.
 template <class Table>
 std::size_t position(const Table& table, const std::string& name, const std::string& kind) {
+  const auto found = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.name == name; });
+  if (found != table.end()) return std::size_t(found - table.begin());
   const auto names = names_of(table);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found != names.end()) return std::size_t(found - names.begin());
   throw InputError("\"" + name + "\" is no " + kind + "; did you mean \"" + nearest_word(name, names) +
                    "\"? Known: " + join_words(names));
 }

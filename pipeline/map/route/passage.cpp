@@ -30,14 +30,55 @@ struct Place {
   int along, across;    // [1 / kHeadingSteps deg]
 };
 
+/// Payload, tyres and speed stay the same on the whole way; ditches do not.
+bool is_of_mission(const campaign::Variable& variable) {
+  return variable.source.rfind("soil table", 0) != 0 && !campaign::is_task_variable(variable);
+}
+
+/// What all draws share.
+struct Course {
+  Course(const std::vector<WayPiece>& pieces, const std::vector<WaySoil>& soils, const OutcomeModel& model,
+         const PassageDoubt& doubt)
+      : pieces(pieces), soils(soils), model(model), doubt(doubt) {
+    for (const campaign::Variable& variable : campaign::contract().variables)
+      of_mission.push_back(is_of_mission(variable));
+    if (doubt.height_error > 0) number_heights();
+  }
+
+  const std::vector<WayPiece>& pieces;
+  const std::vector<WaySoil>& soils;
+  const OutcomeModel& model;
+  const PassageDoubt& doubt;
+  const std::size_t along = campaign::contract().variable_index("slope_along"),
+                    across = campaign::contract().variable_index("slope_across");
+  std::vector<char> of_mission;                            // [variable]
+  std::vector<std::uint64_t> height;                       // numbers of the heights that err on the way
+  std::vector<std::array<std::uint32_t, 9>> height_beside;  // [piece][3 (dy + 1) + dx + 1] position in `height`
+
+ private:
+  void number_heights() {
+    std::unordered_map<std::uint64_t, std::uint32_t> position;
+    for (const WayPiece& piece : pieces) {
+      auto beside = height_beside.emplace_back().begin();
+      for (const int dy : {-1, 0, 1})
+        for (const int dx : {-1, 0, 1}) {
+          const std::uint64_t number = height_number(piece.column + dx, piece.row + dy);
+          const auto [found, is_new] = position.try_emplace(number, std::uint32_t(height.size()));
+          if (is_new) height.push_back(number);
+          *beside++ = found->second;
+        }
+    }
+  }
+};
+
 class Draw {
  public:
-  Draw(const std::vector<WayPiece>& pieces, const std::vector<WaySoil>& soils, const OutcomeModel& model,
-       const PassageDoubt& doubt, std::uint64_t number)
-      : pieces_(pieces), soils_(soils), model_(model), doubt_(doubt), first_stream_(number * kStreams) {}
+  Draw(const Course& course, std::uint64_t number) : course_(course), first_stream_(number * kStreams) {}
 
   Ends traverse() {
     draw_mission();
+    for (const std::uint64_t number : course_.height)
+      heights_.push_back(random_normal(doubt_.seed, first_stream_ + kHeights, number));
     for (const WayPiece& piece : pieces_) enter(piece);
     return ends_of(ask_model());
   }
@@ -72,33 +113,29 @@ class Draw {
     if (unit(kSoil, 2 * here) < std::exp(-away / doubt_.soil_length)) return;
     const WaySoil& soil = soils_[piece.soil];
     std::vector<double> point = soil.points[one_of(soil.points.size(), kSoil, 2 * here + 1)];
-    const auto& variables = campaign::contract().variables;
     for (std::size_t v = 0; v < point.size(); ++v) {
-      if (is_of_mission(variables[v])) point[v] = mission_[v];
+      if (course_.of_mission[v]) point[v] = mission_[v];
       fill(point, v, (points_.size() + 1) * point.size() + v);
     }
     point_[piece.soil] = points_.size();
     points_.push_back(std::move(point));
   }
 
-  /// Payload, tyres and speed stay the same on the whole way; ditches do not.
-  static bool is_of_mission(const campaign::Variable& variable) {
-    return variable.source.rfind("soil table", 0) != 0 && !campaign::is_task_variable(variable);
-  }
-
   void enter(const WayPiece& piece) {
     draw_soil(piece);
     std::array<double, 2> error = {0, 0};
-    if (doubt_.height_error > 0)
-      error = gradient_noise(piece.column, piece.row, doubt_.height_error, doubt_.cell_width, doubt_.cell_height,
-                             doubt_.seed, first_stream_ + kHeights);
+    if (!heights_.empty()) {
+      const auto& beside = course_.height_beside[std::size_t(&piece - pieces_.data())];
+      const auto height = [&](int dx, int dy) { return heights_[beside[std::size_t(3 * (dy + 1) + dx + 1)]]; };
+      error = gradient_noise(height, doubt_.height_error, doubt_.cell_width, doubt_.cell_height);
+    }
     const SlopesOnWay slopes = slopes_on_way(piece, error);
-    const auto step = [&](double rise, const char* name) {
-      const Range range = model_.sampled[campaign::contract().variable_index(name)];
+    const auto step = [&](double rise, std::size_t variable) {
+      const Range range = model_.sampled[variable];
       const double slope = std::clamp(to_degrees(std::atan(rise)), range.minimum, range.maximum);
       return int(std::lround(slope * kHeadingSteps));
     };
-    const Place place = {point_[piece.soil], step(slopes.along, "slope_along"), step(slopes.across, "slope_across")};
+    const Place place = {point_[piece.soil], step(slopes.along, course_.along), step(slopes.across, course_.across)};
     const std::uint64_t key = (std::uint64_t(place.version) << 32) | (std::uint64_t(std::uint16_t(place.along)) << 16) |
                               std::uint16_t(place.across);
     const auto [found, is_new] = index_.try_emplace(key, places_.size());
@@ -108,12 +145,11 @@ class Draw {
 
   std::vector<double> variables_of(const Place& place) const {
     std::vector<double> x = points_[place.version];
-    const auto set = [&](const char* name, int steps) {
-      const std::size_t v = campaign::contract().variable_index(name);
+    const auto set = [&](std::size_t v, int steps) {
       x[v] = std::clamp(double(steps) / kHeadingSteps, model_.sampled[v].minimum, model_.sampled[v].maximum);
     };
-    set("slope_along", place.along);
-    set("slope_across", place.across);
+    set(course_.along, place.along);
+    set(course_.across, place.across);
     return x;
   }
 
@@ -151,12 +187,14 @@ class Draw {
     return ends;
   }
 
-  const std::vector<WayPiece>& pieces_;
-  const std::vector<WaySoil>& soils_;
-  const OutcomeModel& model_;
-  const PassageDoubt& doubt_;
+  const Course& course_;
+  const std::vector<WayPiece>& pieces_ = course_.pieces;
+  const std::vector<WaySoil>& soils_ = course_.soils;
+  const OutcomeModel& model_ = course_.model;
+  const PassageDoubt& doubt_ = course_.doubt;
   std::uint64_t first_stream_;
   std::vector<double> mission_;              // [variable]
+  std::vector<double> heights_;              // errors beside the way, of variance 1, as Course::height numbers them
   std::vector<std::vector<double>> points_;  // drawn so far [version][variable]
   std::vector<std::size_t> point_;           // [soil] its version
   std::vector<double> left_at_;              // [soil] where the way was last on it [m]
@@ -226,8 +264,9 @@ PassageForecast forecast_passage(const std::vector<WayPiece>& pieces, const std:
   PassageForecast forecast;
   forecast.stuck.assign(pieces.size(), 0);
   if (pieces.empty()) return forecast;
+  const Course course(pieces, soils, model, doubt);
   std::vector<Ends> ends(static_cast<std::size_t>(doubt.draws));
-  for_each_on_host(ends.size(), 1, [&](std::size_t d) { ends[d] = Draw(pieces, soils, model, doubt, d).traverse(); });
+  for_each_on_host(ends.size(), 1, [&](std::size_t d) { ends[d] = Draw(course, d).traverse(); });
   int through = 0, places = 0;
   for (const Ends& end : ends) {
     const int here = count_places(pieces, end, doubt.bed_length);

@@ -62,14 +62,16 @@ class LikenessField {
   std::vector<double> number_;  // [wave][variables, then two amplitudes]
 };
 
+/// Number of a cell's random height, also of cells just outside of the map.
+inline std::uint64_t height_number(int column, int row) {
+  return (std::uint64_t(std::uint32_t(row + 1)) << 31) | std::uint32_t(column + 1);
+}
+
 /// Error of Horn's gradient at a cell, {east, north} [rise per metre], from independent errors of the heights of its
-/// neighbours. Its standard deviation is that of gradient_error() (pipeline/map/evaluate/soil_table.h).
-inline std::array<double, 2> gradient_noise(int column, int row, double height_error, double cell_width,
-                                            double cell_height, std::uint64_t seed, std::uint64_t stream) {
-  const auto height = [&](int dx, int dy) {
-    const std::uint64_t x = std::uint32_t(column + dx + 1), y = std::uint32_t(row + dy + 1);
-    return random_normal(seed, stream, (y << 31) | x);
-  };
+/// neighbours: height(dx, dy), of variance 1. Its standard deviation is that of gradient_error()
+/// (pipeline/map/evaluate/soil_table.h).
+template <class Height>
+std::array<double, 2> gradient_noise(const Height& height, double height_error, double cell_width, double cell_height) {
   double east = 0, north = 0;
   for (const int k : {-1, 0, 1}) {
     const double weight = k == 0 ? 2 : 1;
@@ -77,6 +79,13 @@ inline std::array<double, 2> gradient_noise(int column, int row, double height_e
     north += weight * (height(k, -1) - height(k, 1));
   }
   return {height_error * east / (8 * cell_width), height_error * north / (8 * cell_height)};
+}
+inline std::array<double, 2> gradient_noise(int column, int row, double height_error, double cell_width,
+                                            double cell_height, std::uint64_t seed, std::uint64_t stream) {
+  const auto height = [&](int dx, int dy) {
+    return random_normal(seed, stream, height_number(column + dx, row + dy));
+  };
+  return gradient_noise(height, height_error, cell_width, cell_height);
 }
 
 /// What a soil on the way may be: equally likely points over the variables of the contract, NaN where unknown. All of
