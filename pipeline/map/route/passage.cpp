@@ -17,6 +17,7 @@ namespace gonogo::map {
 namespace {
 
 constexpr std::uint16_t kPasses = 0xffff;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Streams of random numbers of a draw.
 enum Stream : std::uint64_t { kMission, kModel, kSoil, kUnknown, kHeights, kField, kBeds, kStreams };
@@ -80,7 +81,7 @@ class Draw {
     for (const std::uint64_t number : course_.height)
       heights_.push_back(random_normal(doubt_.seed, first_stream_ + kHeights, number));
     for (const WayPiece& piece : pieces_) enter(piece);
-    return ends_of(ask_model());
+    return ends_of(ask_model(), draw_rest());
   }
 
  private:
@@ -143,37 +144,62 @@ class Draw {
     place_of_.push_back(found->second);
   }
 
-  std::vector<double> variables_of(const Place& place) const {
-    std::vector<double> x = points_[place.version];
-    const auto set = [&](std::size_t v, int steps) {
-      x[v] = std::clamp(double(steps) / kHeadingSteps, model_.sampled[v].minimum, model_.sampled[v].maximum);
-    };
-    set(course_.along, place.along);
-    set(course_.across, place.across);
-    return x;
+  double slope_at(std::size_t variable, int steps) const {
+    const Range range = model_.sampled[variable];
+    return std::clamp(double(steps) / kHeadingSteps, range.minimum, range.maximum);
   }
 
-  /// Outcome probabilities of all places [place][outcome]; the rest's field beside them.
-  std::vector<double> ask_model() {
-    std::vector<double> points, answers(places_.size() * campaign::contract().outcomes.size());
+  /// The rest's field at all places. Its waves are joined from those of a slope along, a slope across and a point drawn,
+  /// of which there are far fewer than of places.
+  std::vector<double> draw_rest() const {
     const LikenessField field(model_.sampled, doubt_.likeness, doubt_.seed, first_stream_ + kField);
+    std::vector<LikenessField::Waves> drawn;
+    for (std::vector<double> point : points_) {
+      point[course_.along] = point[course_.across] = kNaN;
+      drawn.push_back(field.waves(point));
+    }
+    std::unordered_map<int, LikenessField::Waves> along, across;
+    const auto waves_of = [&](auto& known, std::size_t v, int steps) -> const LikenessField::Waves& {
+      const auto [found, is_new] = known.try_emplace(steps);
+      if (is_new) {
+        std::vector<double> slope_alone(mission_.size(), kNaN);
+        slope_alone[v] = slope_at(v, steps);
+        found->second = field.waves(slope_alone);
+      }
+      return found->second;
+    };
+    std::vector<double> rest;
     for (const Place& place : places_) {
-      const std::vector<double> x = variables_of(place);
-      points.insert(points.end(), x.begin(), x.end());
-      rest_.push_back(field.at(x));
+      const auto slopes = LikenessField::joined(waves_of(along, course_.along, place.along),
+                                                waves_of(across, course_.across, place.across));
+      rest.push_back(field.at(LikenessField::joined(drawn[place.version], slopes)));
+    }
+    return rest;
+  }
+
+  /// Outcome probabilities of all places [place][outcome].
+  std::vector<double> ask_model() const {
+    std::vector<double> points, answers(places_.size() * campaign::contract().outcomes.size());
+    points.reserve(places_.size() * mission_.size());
+    for (const Place& place : places_) {
+      const std::vector<double>& drawn = points_[place.version];
+      double* x = &*points.insert(points.end(), drawn.begin(), drawn.end());
+      x[course_.along] = slope_at(course_.along, place.along);
+      x[course_.across] = slope_at(course_.across, place.across);
     }
     const std::size_t chosen = one_of(1 + model_.members.size(), kModel, 0);
     (chosen == 0 ? model_.probabilities : model_.members[chosen - 1])(points, answers);
     return answers;
   }
 
-  Ends ends_of(const std::vector<double>& answers) const {
+  /// rest: of draw_rest().
+  Ends ends_of(const std::vector<double>& answers, const std::vector<double>& rest) const {
     const auto& outcomes = campaign::contract().outcomes;
     Ends ends;
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
       const double* answer = &answers[place_of_[i] * outcomes.size()];
       const auto bed = std::uint64_t(pieces_[i].begin / doubt_.bed_length);
-      const double z = std::sqrt(1 - doubt_.bed_share) * rest_[place_of_[i]] +
+      const double z = std::sqrt(1 - doubt_.bed_share) * rest[place_of_[i]] +
                        std::sqrt(doubt_.bed_share) * random_normal(doubt_.seed, first_stream_ + kBeds, bed);
       double p_go = 0;
       std::size_t worst = 0;
@@ -200,7 +226,6 @@ class Draw {
   std::vector<double> left_at_;              // [soil] where the way was last on it [m]
   std::vector<Place> places_;                // different inputs
   std::vector<std::size_t> place_of_;        // [piece]
-  std::vector<double> rest_;                 // [place]
   std::unordered_map<std::uint64_t, std::size_t> index_;
 };
 

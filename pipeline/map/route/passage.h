@@ -43,21 +43,44 @@ class LikenessField {
     for (std::uint64_t i = 0; i < kWaves * per_wave; ++i) number_.push_back(random_normal(seed, stream, i));
   }
 
-  double at(std::span<const double> x) const {
+  static constexpr std::size_t kWaves = 32;
+  /// Cosines and sines of the waves' phases.
+  struct Waves {
+    std::array<double, kWaves> cosine, sine;
+  };
+  Waves waves(std::span<const double> x) const {
+    const std::size_t per_wave = scale_.size() + 2;
+    Waves at;
+    for (std::size_t k = 0; k < kWaves; ++k) {
+      double phase = 0;
+      for (std::size_t v = 0; v < scale_.size(); ++v)
+        if (scale_[v] > 0 && !std::isnan(x[v])) phase += number_[k * per_wave + v] * x[v] * scale_[v];
+      at.cosine[k] = std::cos(phase);
+      at.sine[k] = std::sin(phase);
+    }
+    return at;
+  }
+  /// Waves at a point of which each holds some variables, and NaN in place of the others.
+  static Waves joined(const Waves& a, const Waves& b) {
+    Waves both;
+    for (std::size_t k = 0; k < kWaves; ++k) {
+      both.cosine[k] = a.cosine[k] * b.cosine[k] - a.sine[k] * b.sine[k];
+      both.sine[k] = a.sine[k] * b.cosine[k] + a.cosine[k] * b.sine[k];
+    }
+    return both;
+  }
+  double at(const Waves& waves) const {
     const std::size_t per_wave = scale_.size() + 2;
     double sum = 0;
     for (std::size_t k = 0; k < kWaves; ++k) {
-      const double* wave = &number_[k * per_wave];
-      double phase = 0;
-      for (std::size_t v = 0; v < scale_.size(); ++v)
-        if (scale_[v] > 0 && !std::isnan(x[v])) phase += wave[v] * x[v] * scale_[v];
-      sum += wave[per_wave - 2] * std::cos(phase) + wave[per_wave - 1] * std::sin(phase);
+      const double* amplitude = &number_[k * per_wave + scale_.size()];
+      sum += amplitude[0] * waves.cosine[k] + amplitude[1] * waves.sine[k];
     }
     return sum / std::sqrt(double(kWaves));
   }
+  double at(std::span<const double> x) const { return at(waves(x)); }
 
  private:
-  static constexpr std::size_t kWaves = 32;
   std::vector<double> scale_;   // [variable]
   std::vector<double> number_;  // [wave][variables, then two amplitudes]
 };

@@ -198,6 +198,7 @@ std::vector<float> reach_any_angle(const RouteCells& cells, const RouteCosts& co
 namespace {
 
 constexpr std::size_t kWindow = 200;  // corners that one line may replace
+constexpr std::size_t kLinesAtOnce = 1024;
 constexpr int kSweeps = 60;           // most rounds of moving corners
 
 using Way = std::vector<std::uint32_t>;
@@ -213,14 +214,23 @@ Way selected(const Ground& ground, const Way& way) {
   std::vector<double> best(way.size(), std::numeric_limits<double>::infinity());
   std::vector<std::size_t> before(way.size(), 0);
   best[0] = 0;
-  for (std::size_t j = 1; j < way.size(); ++j)
-    for (std::size_t i = j > kWindow ? j - kWindow : 0; i < j; ++i) {
-      const double sum = best[i] + ground.line(way[i], way[j]);
-      if (sum < best[j]) {
-        best[j] = sum;
-        before[j] = i;
+  const auto first_before = [](std::size_t j) { return j > kWindow ? j - kWindow : 0; };
+  std::vector<std::array<double, kWindow>> lines(std::min(way.size(), kLinesAtOnce));  // to a corner, from those before
+  for (std::size_t begin = 1; begin < way.size(); begin += lines.size()) {
+    const std::size_t end = std::min(way.size(), begin + lines.size());
+    for_each_on_host(end - begin, 1, [&](std::size_t k) {
+      const std::size_t j = begin + k, first = first_before(j);
+      for (std::size_t i = first; i < j; ++i) lines[k][i - first] = ground.line(way[i], way[j]);
+    });
+    for (std::size_t j = begin; j < end; ++j)
+      for (std::size_t i = first_before(j); i < j; ++i) {
+        const double sum = best[i] + lines[j - begin][i - first_before(j)];
+        if (sum < best[j]) {
+          best[j] = sum;
+          before[j] = i;
+        }
       }
-    }
+  }
   Way corners;
   for (std::size_t j = way.size() - 1; j > 0; j = before[j]) corners.push_back(way[j]);
   corners.push_back(way[0]);
