@@ -34,6 +34,7 @@ LineStep make_step(const RouteCells& cells, int column, int row, bool backwards)
         step.corners = 2;
         return true;
       });
+  step.between = step.length - 2 * step.piece[0].length;
   return step;
 }
 
@@ -45,8 +46,8 @@ int heading_of(const RouteCells& cells, int columns, int rows) {
 
 std::vector<LineStep> line_steps(const RouteCells& cells, bool backwards) {
   std::vector<LineStep> steps;
-  for (int row = -3; row <= 3; ++row)
-    for (int column = -3; column <= 3; ++column)
+  for (int row = -kLongestStep; row <= kLongestStep; ++row)
+    for (int column = -kLongestStep; column <= kLongestStep; ++column)
       if (std::gcd(row, column) == 1) steps.push_back(make_step(cells, column, row, backwards));
   return steps;
 }
@@ -55,25 +56,17 @@ namespace {
 
 constexpr float kImpassable = RouteCosts::kImpassable;
 
-/// Whether some heading passes a cell [cell].
-std::vector<char> passable_cells(const RouteCells& cells, const RouteCosts& costs) {
-  std::vector<char> passable(cells.soil.size());
-  for_each_on_host(passable.size(), kCellsAtOnce, [&](std::size_t c) { passable[c] = costs.ever_passable(cells, c); });
-  return passable;
-}
-
 /// Dijkstra's search, some cells at a time.
 class Search {
  public:
-  /// passable: of passable_cells().
-  Search(const RouteCells& cells, const RouteCosts& costs, const std::vector<char>& passable, std::uint32_t start,
+  Search(const RouteCells& cells, const RouteCosts& costs, const PackedCells& packed, std::uint32_t start,
          bool backwards)
-      : cost(passable.size(), kImpassable),
-        before(passable.size()),
-        cells_(cells),
-        costs_(costs),
+      : cost(packed.size(), kImpassable),
+        before(packed.size()),
+        columns_(cells.columns),
+        rows_(cells.rows),
+        cells_(packed),
         steps_(line_steps(cells, backwards)),
-        passable_(passable),
         least_(costs.least_per_metre()),
         queue_(cost) {
     cost[start] = 0;
@@ -100,32 +93,36 @@ class Search {
 
  private:
   void expand(std::size_t cell) {
-    const int column = int(cell % std::size_t(cells_.columns)), row = int(cell / std::size_t(cells_.columns));
+    const int column = int(cell % std::size_t(columns_)), row = int(cell / std::size_t(columns_));
+    const bool inside = std::min({column, row, columns_ - 1 - column, rows_ - 1 - row}) >= kLongestStep;
+    const float here = cost[cell], least_here = cells_.least_per_metre(cell);
     for (const LineStep& step : steps_) {
-      const int x = column + step.column, y = row + step.row;
-      if (x < 0 || y < 0 || x >= cells_.columns || y >= cells_.rows) continue;
+      if (!inside && leaves_map(column + step.column, row + step.row)) continue;
       const std::size_t to = std::size_t(std::ptrdiff_t(cell) + step.offset);
-      const float at_least = std::max(cost[cell], kRounded * (cost[cell] + step.length * least_));
-      if (!passable_[to] || cost[to] <= at_least) continue;
-      const float sum = cost_over(step, cell, cost[to]);
-      if (!(sum < cost[to])) continue;
+      const float known = cost[to];
+      if (known <= std::max(here, kRounded * (here + step.length * least_))) continue;
+      if (!cells_.passable(to)) continue;
+      const float ends = step.piece[0].length * (least_here + cells_.least_per_metre(to));
+      if (known <= kRounded * (here + ends + step.between * least_)) continue;
+      const float sum = cost_over(step, cell, known);
+      if (!(sum < known)) continue;
       cost[to] = sum;
       before[to] = std::uint32_t(cell);
       queue_.push(to);
     }
   }
+  bool leaves_map(int column, int row) const { return column < 0 || row < 0 || column >= columns_ || row >= rows_; }
 
   /// Cost of the way to `cell` and the step. Gives up once that is no less than `known`.
   float cost_over(const LineStep& step, std::size_t cell, float known) const {
     for (int k = 0; k < step.corners; ++k)
-      if (!passable_[std::size_t(std::ptrdiff_t(cell) + step.corner[std::size_t(k)])]) return kImpassable;
-    return step.add_cost(cells_, costs_, cell, cost[cell], known);
+      if (!cells_.passable(std::size_t(std::ptrdiff_t(cell) + step.corner[std::size_t(k)]))) return kImpassable;
+    return step.add_cost(cells_, cell, cost[cell], known);
   }
 
-  const RouteCells& cells_;
-  const RouteCosts& costs_;
+  int columns_, rows_;
+  const PackedCells& cells_;
   std::vector<LineStep> steps_;
-  const std::vector<char>& passable_;
   static constexpr float kRounded = 0.999999f;  // what rounding leaves at least of a sum over a step
   float least_;                                 // cost per metre
   NearestFirst queue_;
@@ -135,9 +132,9 @@ class Search {
 
 std::vector<std::uint32_t> way_in_steps(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
                                         std::uint32_t end, std::size_t together) {
-  const std::vector<char> passable = passable_cells(cells, costs);
-  std::array<Search, 2> search = {Search(cells, costs, passable, start, false),
-                                  Search(cells, costs, passable, end, true)};
+  const PackedCells packed(cells, costs);
+  std::array<Search, 2> search = {Search(cells, costs, packed, start, false),
+                                  Search(cells, costs, packed, end, true)};
   const auto over = [&](std::uint32_t cell) { return double(search[0].cost[cell]) + double(search[1].cost[cell]); };
   double known = std::numeric_limits<double>::infinity();
   while (double(search[0].radius()) + double(search[1].radius()) < known) {
@@ -149,7 +146,7 @@ std::vector<std::uint32_t> way_in_steps(const RouteCells& cells, const RouteCost
       for (const std::uint32_t cell : cells_of_side) known = std::min(known, over(cell));
   }
   std::uint32_t middle = start;  // the way may also pass a cell that only one search has settled
-  for (std::uint32_t cell = 0; cell < passable.size(); ++cell)
+  for (std::uint32_t cell = 0; cell < packed.size(); ++cell)
     if (over(cell) < over(middle)) middle = cell;
   if (!std::isfinite(over(middle))) return {};
   std::vector<std::uint32_t> way = {middle};
@@ -189,9 +186,9 @@ std::optional<FoundRoute> find_any_angle(const RouteCells& cells, const RouteCos
 
 std::vector<float> reach_any_angle(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
                                    bool backwards) {
-  const std::vector<char> passable = passable_cells(cells, costs);
-  Search search(cells, costs, passable, start, backwards);
-  search.advance(passable.size(), [](std::uint32_t) {});
+  const PackedCells packed(cells, costs);
+  Search search(cells, costs, packed, start, backwards);
+  search.advance(packed.size(), [](std::uint32_t) {});
   return std::move(search.cost);
 }
 

@@ -58,6 +58,7 @@ struct LineStep {
   std::ptrdiff_t offset = 0;
   int heading = 0;   // [deg clockwise from grid north]
   float length = 0;  // of the whole line [m]
+  float between = 0;  // of what lies in neither the first nor the last cell [m]
   struct Piece {
     std::ptrdiff_t offset;
     float length;  // [m]
@@ -67,17 +68,20 @@ struct LineStep {
   std::array<std::ptrdiff_t, 2> corner{};  // cells beside the one corner that the line runs through
 
   /// `before` and the cost of the step from `cell`. Gives up once that is no less than `known`.
-  float add_cost(const RouteCells& cells, const RouteCosts& costs, std::size_t cell, float before, float known) const {
+  float add_cost(const PackedCells& cells, std::size_t cell, float before, float known) const {
     float sum = before;
     for (int k = 0; k < pieces && sum < known; ++k) {
       const Piece& part = piece[std::size_t(k)];
-      sum += part.length * costs.per_metre(cells, std::size_t(std::ptrdiff_t(cell) + part.offset), heading);
+      sum += part.length * cells.per_metre(std::size_t(std::ptrdiff_t(cell) + part.offset), heading);
     }
     return sum;
   }
 };
 
-/// The 32 steps whose numbers of columns and rows have no common divisor and are at most three, row by row. With
+/// Columns or rows of a step at most.
+inline constexpr int kLongestStep = 3;
+
+/// The 32 steps whose numbers of columns and rows have no common divisor and are at most kLongestStep, row by row. With
 /// `backwards` they have the heading of the way back.
 std::vector<LineStep> line_steps(const RouteCells& cells, bool backwards);
 

@@ -102,4 +102,19 @@ RouteCosts::RouteCosts(const SoilTable& table, RouteCost cost, double correlatio
   }
 }
 
+PackedCells::PackedCells(const RouteCells& cells, const RouteCosts& costs) : costs_(costs), word_(cells.soil.size()) {
+  static_assert(90 * kSlopeSteps < kSlopes);
+  for_each_on_host(word_.size(), kCellsAtOnce, [&](std::size_t c) {
+    const std::uint32_t row = cells.soil[c] * kSlopes + cells.slope[c];
+    word_[c] = std::uint32_t(costs.ever_passable(cells, c)) << 31 | row * kAspects | cells.aspect[c];
+  });
+  std::vector<char> met(costs.soil_count() * kSlopes);
+  for (std::size_t c = 0; c < word_.size(); ++c)
+    if (passable(c)) met[row(word_[c])] = 1;
+  least_.assign(met.size(), RouteCosts::kImpassable);
+  for_each_on_host(met.size(), kCellsAtOnce, [&](std::size_t r) {
+    if (met[r]) least_[r] = costs.least_per_metre(std::uint8_t(r / kSlopes), std::uint16_t(r % kSlopes));
+  });
+}
+
 }  // namespace gonogo::map

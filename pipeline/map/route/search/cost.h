@@ -11,6 +11,7 @@
 // The risk of a way does not depend on the cell size. It counts stretches as independent, which they are not: the
 // chance to get through is that of passage.h. A node that is neither go nor slow_go is impassable in that heading.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -74,18 +75,27 @@ class RouteCosts {
 
   /// Cost per metre of map distance in `cell`. heading: whole degrees [0, 360). kImpassable if it cannot be passed.
   float per_metre(const RouteCells& cells, std::size_t cell, int heading) const {
-    const std::uint8_t soil = cells.soil[cell];
+    return per_metre(cells.soil[cell], cells.slope[cell], cells.aspect[cell], heading);
+  }
+  float per_metre(std::uint8_t soil, std::uint16_t slope, int aspect, int heading) const {
     if (soil >= RouteCells::kClosed) return kImpassable;
-    int psi = heading - cells.aspect[cell] + 180;  // both 0 to 359
+    int psi = heading - aspect + 180;  // both 0 to 359
     psi += psi < 0 ? 360 : psi >= 360 ? -360 : 0;
-    const std::size_t node = nodes_.node(cells.slope[cell], psi);
+    const std::size_t node = nodes_.node(slope, psi);
     return node == HeadingNodes::kNoNode ? kImpassable : factor_[soil][node];
+  }
+  /// The least of all headings.
+  float least_per_metre(std::uint8_t soil, std::uint16_t slope) const {
+    float least = kImpassable;
+    for (int heading = 0; heading < 360; ++heading) least = std::min(least, per_metre(soil, slope, 0, heading));
+    return least;
   }
   /// Whether some heading of the cell can be passed.
   bool ever_passable(const RouteCells& cells, std::size_t cell) const {
     const std::uint8_t soil = cells.soil[cell];
     return soil < RouteCells::kClosed && best_[soil][cells.slope[cell]];
   }
+  std::size_t soil_count() const { return factor_.size(); }
   /// No cell that can be passed costs less per metre.
   float least_per_metre() const { return least_; }
   static constexpr float kImpassable = std::numeric_limits<float>::infinity();
@@ -95,6 +105,34 @@ class RouteCosts {
   HeadingNodes nodes_;
   std::vector<std::vector<float>> factor_;  // [soil][node]
   std::vector<std::vector<char>> best_;     // [soil][slope step]
+};
+
+/// The cells of a map as searches read them: all that a cost depends on lies in one word.
+class PackedCells {
+ public:
+  /// Both must outlive this.
+  PackedCells(const RouteCells& cells, const RouteCosts& costs);
+
+  std::size_t size() const { return word_.size(); }
+  /// Whether some heading passes the cell.
+  bool passable(std::size_t cell) const { return word_[cell] >> 31; }
+  /// As RouteCosts::per_metre().
+  float per_metre(std::size_t cell, int heading) const {
+    const std::uint32_t word = word_[cell];
+    return costs_.per_metre(soil(word), slope(word), int(word % kAspects), heading);
+  }
+  /// No heading costs less. 0 in a cell that is not passable, such as a start that was closed.
+  float least_per_metre(std::size_t cell) const { return passable(cell) ? least_[row(word_[cell])] : 0; }
+
+ private:
+  static constexpr std::uint32_t kAspects = 1 << 9, kSlopes = 1 << 13;
+  static std::uint32_t row(std::uint32_t word) { return word % (1u << 31) / kAspects; }  // of a soil and a slope
+  static std::uint8_t soil(std::uint32_t word) { return std::uint8_t(row(word) / kSlopes); }
+  static std::uint16_t slope(std::uint32_t word) { return std::uint16_t(row(word) % kSlopes); }
+
+  const RouteCosts& costs_;
+  std::vector<std::uint32_t> word_;  // [cell] passable, soil, slope and aspect, from the highest bit on
+  std::vector<float> least_;         // [row]
 };
 
 }  // namespace gonogo::map

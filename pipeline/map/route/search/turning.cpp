@@ -219,7 +219,7 @@ class TurningSearch {
  public:
   TurningSearch(const RouteCells& cells, const RouteCosts& costs, const Turning& turning,
                 const std::vector<std::uint32_t>& stops)
-      : cells_(cells), costs_(costs), turning_(turning), stops_(stops), steps_(line_steps(cells, false)) {
+      : cells_(cells), costs_(costs), turning_(turning), stops_(stops), steps_(line_steps(cells, false)), packed_(cells, costs) {
     std::sort(steps_.begin(), steps_.end(), [](auto& a, auto& b) { return a.heading < b.heading; });
     for (std::size_t leg = 0; leg < legs(); ++leg)
       remaining_.push_back(reach_any_angle(cells, costs, stops[leg + 1], true));
@@ -228,8 +228,6 @@ class TurningSearch {
       for (float& r : remaining_[leg]) r += later;
     }
     place_.assign(legs() * cells.soil.size(), kNone);
-    passable_.resize(cells.soil.size());
-    for (std::size_t c = 0; c < passable_.size(); ++c) passable_[c] = costs.ever_passable(cells, c);
   }
 
   std::optional<FoundRoute> run() {
@@ -307,11 +305,11 @@ class TurningSearch {
     const int x = int(s.cell) % cells_.columns + step.column, y = int(s.cell) / cells_.columns + step.row;
     if (x < 0 || y < 0 || x >= cells_.columns || y >= cells_.rows) return;
     const auto beside = [&](std::ptrdiff_t offset) { return std::size_t(std::ptrdiff_t(s.cell) + offset); };
-    if (!passable_[beside(step.offset)]) return;
+    if (!packed_.passable(beside(step.offset))) return;
     for (int k = 0; k < step.corners; ++k)
-      if (!passable_[beside(step.corner[std::size_t(k)])]) return;
+      if (!packed_.passable(beside(step.corner[std::size_t(k)]))) return;
     offer({s.leg, std::uint32_t(beside(step.offset)), s.direction},
-          step.add_cost(cells_, costs_, s.cell, cost, RouteCosts::kImpassable), kDriven);
+          step.add_cost(packed_, s.cell, cost, RouteCosts::kImpassable), kDriven);
   }
 
   State before(const State& s, Arrival arrival) const {
@@ -340,10 +338,10 @@ class TurningSearch {
   const Turning& turning_;
   const std::vector<std::uint32_t>& stops_;
   std::vector<LineStep> steps_;                // by direction
+  PackedCells packed_;
   std::vector<std::vector<float>> remaining_;  // [leg][cell] without turns, to the last stop
   std::vector<std::uint32_t> place_;           // [leg][cell] in found_
   std::vector<States> found_;
-  std::vector<char> passable_;  // [cell] in some heading
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
