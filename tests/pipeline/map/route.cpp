@@ -1,6 +1,7 @@
 // Routes against an independent search that relaxes every step until nothing changes, on small made ground.
 #include <chrono>
 #include <cmath>
+#include <set>
 
 #include "base/math/random.h"
 #include "base/units.h"
@@ -188,6 +189,39 @@ TEST_CASE("regions are ranked by their size, and those beyond the largest are co
   CHECK(many.rank.back() == kMaxRegions);
   CHECK(many.rank[8] == 3);
   CHECK(largest_regions({-1, -1}).cells.empty());
+}
+
+TEST_CASE("the queue gives cells by cost, and by number where costs are equal, as an ordered set does") {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    constexpr std::uint64_t count = 3000;
+    std::vector<float> cost(count, INFINITY);
+    NearestFirst queue(cost);
+    std::set<std::pair<float, std::size_t>> expected;
+    float reached = 0;
+    std::uint64_t emptied = 0, cheaper = 0;
+    for (std::uint64_t i = 0; i < 20 * count; ++i) {
+      const std::size_t cell = random_bits(seed, 0, i) % count;
+      // No less than what was taken last, often the same, and in steps of very different sizes.
+      const float step = float(random_bits(seed, 1, i) % 4) * std::exp2f(float(random_bits(seed, 2, i) % 24) - 20);
+      const bool grows = i / 500 % 2 == 0;
+      if (random_unit(seed, 3, i) < (grows ? 0.7 : 0.1) && reached + step < cost[cell]) {
+        cheaper += expected.erase({cost[cell], cell});
+        cost[cell] = reached + step;
+        expected.insert({cost[cell], cell});
+        queue.push(cell);
+      } else if (!expected.empty()) {
+        REQUIRE(!queue.empty());
+        REQUIRE(queue.top() == expected.begin()->second);
+        queue.pop();
+        reached = expected.begin()->first;
+        expected.erase(expected.begin());
+        emptied += expected.empty();
+      }
+      REQUIRE(queue.empty() == expected.empty());
+    }
+    CHECK(emptied > 0);
+    CHECK(cheaper > 0);
+  }
 }
 
 TEST_CASE("a cost that nobody knows, and one that the model cannot tell, are refused") {
