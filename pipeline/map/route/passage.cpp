@@ -52,8 +52,8 @@ struct Course {
   const PassageDoubt& doubt;
   const std::size_t along = campaign::contract().variable_index("slope_along"),
                     across = campaign::contract().variable_index("slope_across");
-  std::vector<char> of_mission;                            // [variable]
-  std::vector<std::uint64_t> height;                       // numbers of the heights that err on the way
+  std::vector<char> of_mission;                             // [variable]
+  std::vector<std::uint64_t> height;                        // numbers of the heights that err on the way
   std::vector<std::array<std::uint32_t, 9>> height_beside;  // [piece][3 (dy + 1) + dx + 1] position in `height`
 
  private:
@@ -149,8 +149,8 @@ class Draw {
     return std::clamp(double(steps) / kHeadingSteps, range.minimum, range.maximum);
   }
 
-  /// The rest's field at all places. Its waves are joined from those of a slope along, a slope across and a point drawn,
-  /// of which there are far fewer than of places.
+  /// The rest's field at all places. Its waves are joined from those of a slope along, a slope across and a point
+  /// drawn, of which there are far fewer than of places.
   std::vector<double> draw_rest() const {
     const LikenessField field(model_.sampled, doubt_.likeness, doubt_.seed, first_stream_ + kField);
     std::vector<LikenessField::Waves> drawn;

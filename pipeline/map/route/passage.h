@@ -105,9 +105,7 @@ std::array<double, 2> gradient_noise(const Height& height, double height_error, 
 }
 inline std::array<double, 2> gradient_noise(int column, int row, double height_error, double cell_width,
                                             double cell_height, std::uint64_t seed, std::uint64_t stream) {
-  const auto height = [&](int dx, int dy) {
-    return random_normal(seed, stream, height_number(column + dx, row + dy));
-  };
+  const auto height = [&](int dx, int dy) { return random_normal(seed, stream, height_number(column + dx, row + dy)); };
   return gradient_noise(height, height_error, cell_width, cell_height);
 }
 

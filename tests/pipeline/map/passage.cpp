@@ -162,8 +162,8 @@ TEST_CASE("errors of neighbouring slopes are correlated as Horn's weights say, a
     product += a * b / fields;
   }
   const LikenessField field(sampled, 0.3, 4, 0);
-  const auto joined = LikenessField::joined(field.waves(std::vector<double>{2, 5, NAN}),
-                                            field.waves(std::vector<double>{NAN, NAN, 1}));
+  const auto joined =
+      LikenessField::joined(field.waves(std::vector<double>{2, 5, NAN}), field.waves(std::vector<double>{NAN, NAN, 1}));
   CHECK(field.at(joined) == Approx(field.at(std::vector<double>{2, 5, 1})).epsilon(1e-12));
   const double distance2 = (0.3 * 0.3 + 0.2 * 0.2) / (0.3 * 0.3);
   CHECK(same == Approx(1).margin(0.06));

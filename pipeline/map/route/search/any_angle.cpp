@@ -133,8 +133,7 @@ class Search {
 std::vector<std::uint32_t> way_in_steps(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
                                         std::uint32_t end, std::size_t together) {
   const PackedCells packed(cells, costs);
-  std::array<Search, 2> search = {Search(cells, costs, packed, start, false),
-                                  Search(cells, costs, packed, end, true)};
+  std::array<Search, 2> search = {Search(cells, costs, packed, start, false), Search(cells, costs, packed, end, true)};
   const auto over = [&](std::uint32_t cell) { return double(search[0].cost[cell]) + double(search[1].cost[cell]); };
   double known = std::numeric_limits<double>::infinity();
   while (double(search[0].radius()) + double(search[1].radius()) < known) {
@@ -196,7 +195,7 @@ namespace {
 
 constexpr std::size_t kWindow = 200;  // corners that one line may replace
 constexpr std::size_t kLinesAtOnce = 1024;
-constexpr int kSweeps = 60;           // most rounds of moving corners
+constexpr int kSweeps = 60;  // most rounds of moving corners
 
 using Way = std::vector<std::uint32_t>;
 

@@ -56,8 +56,8 @@ int heading_of(const RouteCells& cells, int columns, int rows);
 struct LineStep {
   int column = 0, row = 0;
   std::ptrdiff_t offset = 0;
-  int heading = 0;   // [deg clockwise from grid north]
-  float length = 0;  // of the whole line [m]
+  int heading = 0;    // [deg clockwise from grid north]
+  float length = 0;   // of the whole line [m]
   float between = 0;  // of what lies in neither the first nor the last cell [m]
   struct Piece {
     std::ptrdiff_t offset;

@@ -16,8 +16,8 @@ namespace gonogo::map {
 /// A buffer for boost::breadth_first_visit. A cell whose cost falls is pushed again; its older entries are dropped when
 /// they reach the top. Of equal costs the lower cell number comes first.
 ///
-/// Entries wait in buckets of costs whose bits begin alike, and only the lowest bucket is a heap (Dial 1969; Denardo and
-/// Fox 1979).
+/// Entries wait in buckets of costs whose bits begin alike, and only the lowest bucket is a heap (Dial 1969; Denardo
+/// and Fox 1979).
 class NearestFirst {
  public:
   explicit NearestFirst(const std::vector<float>& cost) : cost_(cost) {}

@@ -219,7 +219,12 @@ class TurningSearch {
  public:
   TurningSearch(const RouteCells& cells, const RouteCosts& costs, const Turning& turning,
                 const std::vector<std::uint32_t>& stops)
-      : cells_(cells), costs_(costs), turning_(turning), stops_(stops), steps_(line_steps(cells, false)), packed_(cells, costs) {
+      : cells_(cells),
+        costs_(costs),
+        turning_(turning),
+        stops_(stops),
+        steps_(line_steps(cells, false)),
+        packed_(cells, costs) {
     std::sort(steps_.begin(), steps_.end(), [](auto& a, auto& b) { return a.heading < b.heading; });
     for (std::size_t leg = 0; leg < legs(); ++leg)
       remaining_.push_back(reach_any_angle(cells, costs, stops[leg + 1], true));
@@ -337,7 +342,7 @@ class TurningSearch {
   const RouteCosts& costs_;
   const Turning& turning_;
   const std::vector<std::uint32_t>& stops_;
-  std::vector<LineStep> steps_;                // by direction
+  std::vector<LineStep> steps_;  // by direction
   PackedCells packed_;
   std::vector<std::vector<float>> remaining_;  // [leg][cell] without turns, to the last stop
   std::vector<std::uint32_t> place_;           // [leg][cell] in found_
