@@ -254,6 +254,12 @@ std::size_t compute_missing(const CampaignRequest& request, Ledger& ledger, cons
   return Coordinator(request, ledger, todo, journal, trials).run();
 }
 
+/// So that snapshots need no committed shard.
+void keep_origin(const CampaignRequest& request) {
+  const fs::path origin = origin_path(request.folder);
+  if (!fs::exists(origin)) write_dataset(origin, {.records = {}, .provenance = request.provenance});
+}
+
 CampaignSummary finish(const CampaignRequest& request, const Ledger& ledger, std::size_t reused, std::size_t deaths) {
   CampaignSummary summary = summary_of(ledger, reused, deaths);
   summary.dataset = dataset_path(request.folder);
@@ -269,6 +275,7 @@ CampaignSummary finish(const CampaignRequest& request, const Ledger& ledger, std
 CampaignSummary run_campaign(const CampaignRequest& request) {
   const HeldFolder held =
       hold_folder(request.folder, {request.design.size(), request.trials_per_shard}, request.depends_on);
+  keep_origin(request);
   Ledger ledger = recovered_ledger(request, held.plan);
   const std::size_t reused = ledger.done(), trials = request.design.size();
   std::size_t deaths = 0;
@@ -313,6 +320,7 @@ CampaignSummary run_campaign_task(const CampaignRequest& request, std::uint64_t 
 std::vector<std::uint64_t> open_campaign(const CampaignRequest& request) {
   const HeldFolder held =
       hold_folder(request.folder, {request.design.size(), request.trials_per_shard}, request.depends_on);
+  keep_origin(request);
   const std::set<std::uint64_t> shards = shards_of(recovered_ledger(request, held.plan).missing(), held.plan);
   if (!shards.empty()) request.prepare();
   return {shards.begin(), shards.end()};
@@ -367,7 +375,8 @@ CampaignStatus campaign_status(const fs::path& folder) {
 Dataset campaign_snapshot(const fs::path& folder) {
   const ShardPlan plan = read_claim(folder);
   RecordsByIndex finished;
-  std::optional<Provenance> provenance;  // of a committed shard
+  std::optional<Provenance> provenance;
+  if (fs::exists(origin_path(folder))) provenance = read_dataset(origin_path(folder)).provenance;
   for (std::uint64_t shard = 0; shard < plan.count(); ++shard) {
     const std::optional<ShardManifest> manifest = read_manifest(folder, shard);
     if (!manifest) continue;
@@ -376,7 +385,8 @@ Dataset campaign_snapshot(const fs::path& folder) {
     if (!provenance) provenance = read_dataset(shard_folder(folder) / manifest->file).provenance;
   }
   if (!provenance)
-    throw InputError(folder.string() + ": no shard is committed yet; wait until the first " +
+    throw InputError(folder.string() +
+                     ": no shard is committed yet, and an older program began it; wait until the first " +
                      std::to_string(plan.per_shard) + " trials are done");
   for (const fs::path& journal : journals_of(folder)) finished.merge(read_journal(journal).records);
   Dataset dataset{.records = {}, .provenance = *std::move(provenance)};

@@ -83,8 +83,8 @@ struct CampaignStatus {
 CampaignStatus campaign_status(const std::filesystem::path& folder);
 
 /// The trials before the first missing one. Finished trials behind it are left out: trials that end early would be
-/// overrepresented. Changes nothing; may be called while the campaign runs. Throws InputError without a campaign or a
-/// committed shard, and for damaged files.
+/// overrepresented. Changes nothing; may be called while the campaign runs. Throws InputError without a campaign, for
+/// one of an older program without a committed shard, and for damaged files.
 Dataset campaign_snapshot(const std::filesystem::path& folder);
 
 }  // namespace gonogo::campaign

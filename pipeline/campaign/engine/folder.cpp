@@ -106,6 +106,7 @@ std::vector<fs::path> journals_of(const fs::path& folder) {
   std::sort(journals.begin(), journals.end());
   return journals;
 }
+fs::path origin_path(const fs::path& folder) { return folder / "origin.h5"; }
 fs::path dataset_path(const fs::path& folder) { return folder / "dataset.h5"; }
 fs::path running_folder(const fs::path& folder) { return folder / "running"; }
 fs::path course_folder(const fs::path& folder) { return folder / "courses"; }
@@ -141,7 +142,7 @@ void remove_leftovers(const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(place, ec)) {
       const std::string name = entry.path().filename().string();
       bool ours = false;
-      for (const char* start : {".dataset.", ".campaign.", ".local.", ".trial-", ".shard-"})
+      for (const char* start : {".dataset.", ".campaign.", ".origin.", ".local.", ".trial-", ".shard-"})
         ours = ours || name.rfind(start, 0) == 0;
       std::error_code ignored;
       if (ours && name.find(".partial-") != std::string::npos) fs::remove(entry.path(), ignored);

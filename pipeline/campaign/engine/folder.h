@@ -17,6 +17,8 @@ std::filesystem::path journal_path(const std::filesystem::path& folder);
 std::filesystem::path journal_path(const std::filesystem::path& folder, std::uint64_t shard);
 /// Every journal there is, sorted.
 std::vector<std::filesystem::path> journals_of(const std::filesystem::path& folder);
+/// A dataset without trials, written when the campaign begins: its provenance.
+std::filesystem::path origin_path(const std::filesystem::path& folder);
 std::filesystem::path dataset_path(const std::filesystem::path& folder);
 std::filesystem::path running_folder(const std::filesystem::path& folder);
 /// CSV files of the trials' courses, where they are asked for.

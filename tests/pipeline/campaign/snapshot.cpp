@@ -67,6 +67,8 @@ TEST_CASE("a snapshot of nothing is refused, saying what to wait for") {
   claim(folder.path());
   write_rows(folder.path(), trials(0, 3));
   CHECK(contains(input_error([&] { campaign_snapshot(folder.path()); }), "the first 4 trials are done"));
+  write_dataset(origin_path(folder.path()), {.records = {}, .provenance = provenance()});
+  CHECK(dataset_image(campaign_snapshot(folder.path())) == dataset_image({trials(0, 3), provenance()}));
   commit_shard(folder.path(), 1, trials(4, 4), provenance(), "c");
   write_rows(folder.path(), trials(1, 3));
   CHECK(contains(input_error([&] { campaign_snapshot(folder.path()); }), "trial 0 is still missing"));
