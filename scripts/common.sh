@@ -64,14 +64,14 @@ gpu_architecture() {
 }
 
 # The program for campaigns on GPUs, from a bare checkout: the CUDA preset without GDAL, LibTorch and cairo, where there is no
-# program yet.
+# program yet. A machine without a GPU builds for all architectures of the preset.
 build_gpu_program() {
   [[ ! -x build/cuda-release/gonogo ]] || return 0
-  local architecture
-  architecture=$(gpu_architecture)
+  local architecture=()
+  ! command -v nvidia-smi > /dev/null || architecture=("-DCMAKE_CUDA_ARCHITECTURES=$(gpu_architecture)")
   use_carried_headers
   mkdir -p build
-  cmake --preset cuda-release "-DCMAKE_CUDA_ARCHITECTURES=$architecture" -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF \
+  cmake --preset cuda-release "${architecture[@]}" -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF \
     -DGONOGO_PICTURES=OFF -DGONOGO_TESTS=OFF > build/gpu_configure.log
   cmake --build build/cuda-release -j "$(nproc)" --target gonogo > build/gpu_build.log 2>&1 ||
     { grep -E 'error|FAILED' build/gpu_build.log | head; exit 1; }

@@ -38,8 +38,7 @@ build_program() {
   mkdir -p "$source_tree" "$program/lib"
   git archive "$revision" | tar -x -C "$source_tree"
   # Without the ceiling the build would find this repository, and name its revision instead.
-  (export GONOGO_REVISION=$revision GIT_CEILING_DIRECTORIES=$PWD/build && source "$source_tree/scripts/common.sh" &&
-    build_gpu_program)
+  (export GONOGO_REVISION=$revision GIT_CEILING_DIRECTORIES=$PWD/build && cd "$source_tree" && build_gpu_program)
   cp -r "$source_tree/configs" "$program/"
   needed_libraries "$built" | xargs -I{} cp -L {} "$program/lib/"
   cp "$built" "$program/gonogo.new" && strip "$program/gonogo.new" && mv "$program/gonogo.new" "$program/gonogo"
