@@ -66,14 +66,14 @@ pack() {
   [[ -f $folder/campaign.json ]] || fail "$folder: holds no campaign; '$0 $data status' unpacks it"
   copy=$(mktemp -d)
   mkdir "$copy/$name"
-  for part in campaign.json shards trials courses; do
+  for part in campaign.json origin.h5 shards trials courses; do
     [[ ! -e $folder/$part ]] || cp -r "$folder/$part" "$copy/$name/"
   done
   tar -C "$copy" --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -cf - "$name" | gzip -9n > "$archive.new"
-  if compgen -G "$copy/$name/shards/*.json" > /dev/null; then
+  if [[ -e $copy/$name/origin.h5 ]] || compgen -G "$copy/$name/shards/*.json" > /dev/null; then
     "$gonogo" campaign snapshot "$copy/$name" --out "$data/dataset.h5"
   else
-    say "no dataset yet: the campaign's first shard is not whole"
+    say "no dataset yet: the first shard of this campaign of an older program is not whole"
   fi
   "$gonogo" campaign status "$copy/$name"
   mv "$archive.new" "$archive"
