@@ -51,9 +51,18 @@ struct ShippedModel {
   const learning::Model& model() const { return trained.predictor->model(); }
 };
 
+/// What it answers for: a vehicle, or members of a family.
+std::string subject(const map::TrainedModel& m) {
+  if (m.vehicle) return "vehicle " + m.vehicle->name + ", " + m.vehicle->fidelity();
+  if (m.family)
+    return "any member of the family " + m.family->name + ": gonogo vehicle numbers VEHICLE tells whether yours is";
+  return "vehicle not known, trials not at hand";
+}
+
 Json as_json(const ShippedModel& m) {
   Json entry = Json::object();
   entry["name"] = m.name;
+  entry["family"] = m.trained.family ? Json(m.trained.family->name) : Json();
   entry["vehicle"] = m.trained.vehicle ? Json(m.trained.vehicle->name) : Json();
   entry["fidelity"] = m.trained.vehicle ? Json(m.trained.vehicle->fidelity()) : Json();
   entry[campaign::kGravityKey] = m.gravity;
@@ -65,8 +74,7 @@ Json as_json(const ShippedModel& m) {
 }
 
 std::string as_text(const ShippedModel& m) {
-  return m.name + line(": vehicle %s, ", m.trained.vehicle ? m.trained.vehicle->name.c_str() : "not known") +
-         (m.trained.vehicle ? m.trained.vehicle->fidelity() : "trials not at hand") +
+  return m.name + ": " + subject(m.trained) +
          line("\n    %lld trials, Brier score of P(go) in cross-validation %.4f, gravity %g m/s2\n",
               static_cast<long long>(m.trials), m.brier, m.gravity) +
          ranges_text(m.model()) + "    card: " + m.card + "\n";
