@@ -9,6 +9,7 @@
 #include "base/format.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
+#include "vehicle/family/driveline_share.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/world/engine_vehicle.h"
 
@@ -29,6 +30,21 @@ std::array<ScaledVariable, 3> scaled_variables(const FamilyMember& m) {
   return {{{index("cohesion"), m.scale.stress},
            {index("bed_depth"), m.scale.length},
            {index("commanded_speed"), m.scale.speed}}};
+}
+
+using SlopeOf = double(const vehicle::Vehicle&, const vehicle::VehicleNumbers&, double);
+
+/// Changes a slope along the member [deg]. What is equal or not known stays so to the last digit.
+double changed(const FamilyMember& m, double slope, SlopeOf change) {
+  const double before = to_radians(slope), after = change(m.vehicle, m.numbers, before);
+  return after == before || std::isnan(after) ? slope : to_degrees(after);
+}
+double felt(const FamilyMember& m, double slope) { return changed(m, slope, vehicle::felt_slope); }
+double unfelt(const FamilyMember& m, double slope) { return changed(m, slope, vehicle::own_slope); }
+std::vector<double> felt(const FamilyMember& m, std::span<const double> slopes) {
+  std::vector<double> result;
+  for (const double slope : slopes) result.push_back(felt(m, slope));
+  return result;
 }
 
 /// Numbers that the mass changes, by loaded().
@@ -84,6 +100,8 @@ MeasureScale measure_scale(const FamilyMember& m, const campaign::DesignPoint& p
 campaign::TrialRecord record_of_member(const FamilyMember& m, campaign::TrialRecord record) {
   const MeasureScale s = measure_scale(m, record.point);
   for (const ScaledVariable& v : scaled_variables(m)) record.point.variables[v.variable] *= v.factor;
+  double& slope = record.point.variables[index("slope_along")];
+  slope = unfelt(m, slope);
   const auto scale = [&](const char* name, double factor) {
     record.measures[campaign::contract().measure_index(name)] *= factor;
   };
@@ -109,12 +127,14 @@ FamilyMember family_member(const vehicle::Family& family, double family_gravity,
 }
 
 std::vector<double> family_point(const FamilyMember& m, std::span<const double> point) {
-  std::vector<double> own(point.begin(), point.end());
-  for (const ScaledVariable& v : scaled_variables(m)) own[v.variable] /= v.factor;
-  double& payload = own[index("payload")];
-  if (payload > 0) add_load(own, 1 + payload / m.mass);
+  std::vector<double> asked(point.begin(), point.end());
+  for (const ScaledVariable& v : scaled_variables(m)) asked[v.variable] /= v.factor;
+  double& slope = asked[index("slope_along")];
+  slope = felt(m, slope);
+  double& payload = asked[index("payload")];
+  if (payload > 0) add_load(asked, 1 + payload / m.mass);
   payload = 0;
-  return own;
+  return asked;
 }
 
 Spreads family_values(const FamilyMember& m, const std::vector<Range>& sampled) {
@@ -140,13 +160,20 @@ OutcomeModel model_of_member(const OutcomeModel& family, const FamilyMember& mem
     return [to_family, answer](std::span<const double> points, auto... rest) { answer(to_family(points), rest...); };
   };
   model.probabilities = at_family(family.probabilities);
-  if (family.on_slopes) model.on_slopes = at_family(family.on_slopes);
+  if (family.on_slopes)
+    model.on_slopes = [member, to_family, answer = family.on_slopes](auto points, auto along, auto across,
+                                                                     auto result) {
+      answer(to_family(points), felt(member, along), across, result);
+    };
   for (auto& answer : model.members) answer = at_family(answer);
   if (family.novelty)
     model.novelty = [member, novelty = family.novelty](std::span<const double> point) {
       return novelty(family_point(member, point));
     };
-  if (family.novelty_uphill) model.novelty_uphill = at_family(family.novelty_uphill);
+  if (family.novelty_uphill)
+    model.novelty_uphill = [member, to_family, answer = family.novelty_uphill](auto point, auto slopes, auto result) {
+      answer(to_family(point), felt(member, slopes), result);
+    };
   for (const ScaledVariable& v : scaled_variables(member)) {
     model.sampled[v.variable].minimum *= v.factor;
     model.sampled[v.variable].maximum *= v.factor;

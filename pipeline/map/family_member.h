@@ -32,7 +32,8 @@ FamilyMember family_member(const vehicle::Family& family, double family_gravity,
                            double gravity);
 
 /// A point of the member [variable count] as a point of the family's trials: cohesion, depth of the bed and speed at
-/// the family's scale, and the payload as part of the load. An unknown payload counts as none.
+/// the family's scale, the payload as part of the load, and uphill the slope that its driveline makes of it
+/// (vehicle/family/driveline_share.h). An unknown payload counts as none.
 std::vector<double> family_point(const FamilyMember& member, std::span<const double> point);
 
 /// Values of the family's variables that the member has without payload, by their names in the contract. What only

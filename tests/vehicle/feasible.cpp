@@ -12,6 +12,7 @@
 #include "tests/support/refused.h"
 #include "tests/support/vehicles.h"
 #include "tests/vehicle/on_slope.h"
+#include "vehicle/family/driveline_share.h"
 #include "vehicle/model/statics.h"
 
 using namespace gonogo;
@@ -311,4 +312,34 @@ TEST_CASE("questions that cannot be are refused") {
   d.step = 0;
   d.friction = 0;
   refused([&] { feasible(shipped_vehicle("hmmwv"), d); }, "friction");
+}
+
+TEST_CASE("a driveline needs the friction of the slope that it feels, by the convex program of its forces") {
+  struct Case {
+    const char* vehicle;
+    Differential centre;
+    double front_share;
+  };
+  for (const Case& c : {Case{"hmmwv", Differential::open, 0.5}, Case{"hmmwv", Differential::open, 0.4},
+                        Case{"hmmwv", Differential::locked, 0.5}, Case{"fed_alpha", Differential::open, 0.5},
+                        Case{"viper", Differential::open, 0.5}})
+    for (const double slope : {4.0, 10.0, 17.0}) {
+      INFO(c.vehicle << ", front " << c.front_share << ", " << slope << " deg");
+      Vehicle v = shipped_vehicle(c.vehicle);
+      v.driveline.centre = c.centre;
+      v.driveline.front_share = c.front_share;
+      const VehicleNumbers n = vehicle_numbers(v, kGravity);
+      const double own = to_radians(slope), felt = felt_slope(v, n, own);
+      CHECK(std::tan(felt) == Approx(min_friction(v, on_slope(slope, 0, 0.8))).epsilon(0.01));
+      CHECK(own_slope(v, n, felt) == Approx(own).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("an axle without drive only rides along, and downhill a slope is what it is") {
+  const VehicleNumbers n = vehicle_numbers(shipped_vehicle("hmmwv"), kGravity);
+  const Vehicle rear_driven = hmmwv(Differential::open, Differential::open, false);
+  CHECK(driveline_share(rear_driven, n, 0) == Approx(axle_shares(n, 0)[1]));
+  CHECK(driveline_share(rear_driven, n, 0.3) > driveline_share(rear_driven, n, 0));  // it bears more uphill
+  CHECK(felt_slope(rear_driven, n, -0.2) == -0.2);
+  CHECK(felt_slope(shipped_vehicle("viper"), n, 0.2) == 0.2);  // a motor in every wheel
 }

@@ -26,10 +26,12 @@ constexpr std::array kWheelVariables = {
     "friction_angle",    "cohesion",    "relative_density", "tyre_friction",    "bed_depth", "commanded_speed",
     "single_wheel_slip", "load_number", "width_ratio",      "deflection_ratio", "lug_ratio", "single_wheel_slip_angle"};
 
-constexpr std::size_t kInputsOfWheel = kWheelVariables.size() + 4;
+constexpr std::size_t kInputsOfWheel = kWheelVariables.size() + 6;
 
 /// Inputs of the regressions: the variables inside the box of the trials, and what closed forms of traction are made
-/// of. Friction acts as the smaller of the two, loads by their ratio, and slip mobilises it (Janosi & Hanamoto 1961).
+/// of. Friction acts as the smaller of the two, loads by their ratio, and slip mobilises it (Janosi & Hanamoto 1961). A
+/// tyre touches the ground over a length that goes with the root of its deflection, and a rigid one hardly at all; lugs
+/// likewise.
 std::vector<double> wheel_inputs(std::span<const double> points, const std::vector<Range>& box) {
   static const std::size_t width = campaign::contract().variables.size();
   constexpr double kMobilised = 0.15;
@@ -42,7 +44,8 @@ std::vector<double> wheel_inputs(std::span<const double> points, const std::vect
     for (const char* name : kWheelVariables) result.push_back(at(name));
     const double soil = std::tan(to_radians(at("friction_angle")));
     result.insert(result.end(), {soil, std::min(soil, at("tyre_friction")), std::log(at("load_number")),
-                                 1 - std::exp(-at("single_wheel_slip") / kMobilised)});
+                                 1 - std::exp(-at("single_wheel_slip") / kMobilised), std::sqrt(at("deflection_ratio")),
+                                 std::sqrt(at("lug_ratio"))});
   }
   return result;
 }

@@ -114,6 +114,40 @@ TEST_CASE("a payload is a heavier vehicle: the numbers are those of the vehicle 
   CHECK(asked[index("force_number")] == Approx(same.force));
 }
 
+TEST_CASE("a driveline that shares torque asks for a steeper slope, at each slope alike") {
+  FamilyMember member = member_of(0.9, kGravity);
+  member.vehicle.driveline.wheel_motors = false;
+  member.vehicle.driveline.centre = vehicle::Differential::open;
+  const auto felt = [&](double slope) {
+    return family_point(member, point_of({{"slope_along", slope}}))[index("slope_along")];
+  };
+  CHECK(felt(-12) == -12);
+  CHECK(felt(12) > 12.2);
+  // A model whose P(go) tells the slope that it was asked, one by one and on a grid.
+  OutcomeModel family;
+  family.sampled.assign(contract().variables.size(), {-45, 45});
+  family.probabilities = [](std::span<const double> points, std::span<double> result) {
+    result[0] = points[index("slope_along")];
+  };
+  family.on_slopes = [](std::span<const double>, std::span<const double> along, std::span<const double>,
+                        std::span<double> result) { std::copy(along.begin(), along.end(), result.begin()); };
+  const OutcomeModel model = model_of_member(family, member);
+  const std::vector<double> along = {-12, 0, 12, 20};
+  std::vector<double> on_grid(along.size()), one(1);
+  model.on_slopes(point_of({}), along, std::array{0.0}, on_grid);
+  for (std::size_t k = 0; k < along.size(); ++k) {
+    model.probabilities(point_of({{"slope_along", along[k]}}), one);
+    CHECK(on_grid[k] == one[0]);
+  }
+  // A trial of the family is one of the member on the slope that feels so.
+  TrialRecord record;
+  record.point.variables = point_of({{"slope_along", felt(12)}});
+  set_numbers(record.point.variables, member);
+  record.measures.assign(contract().measures.size(), 1);
+  const TrialRecord seen = trials_of_member({{record}, {}}, member).records.front();
+  CHECK(seen.point.variables[index("slope_along")] == Approx(12).epsilon(1e-9));
+}
+
 TEST_CASE("measures come back at the member's scale, and its own trial keeps slip and share of the weight") {
   const FamilyMember member = member_of(0.5, 1.62);
   TrialRecord record;
