@@ -21,6 +21,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
+#include "vehicle/family/driveline_share.h"
 #include "vehicle/family/vehicle_numbers.h"
 #include "vehicle/model/statics.h"
 
@@ -300,7 +301,8 @@ TEST_CASE("a map of a vehicle that no trial drove is its family's answer at its 
   const terrain::Tile p_go = terrain::RasterSource::open_as_it_lies(files.out / "p_go.tif").read({5, 5, 1, 1});
   const auto dem = terrain::RasterSource::open_elevation(folder / "dem.tif");
   const terrain::Tile slope = terrain::slope_degrees(dem.read({4, 4, 3, 3}), {10, 10});
-  point[index("slope_along")] = rounded_slope(slope.at(0, 0));
+  point[index("slope_along")] =
+      to_degrees(vehicle::felt_slope(hmmwv, member.numbers, to_radians(rounded_slope(slope.at(0, 0)))));
   trained.outcome_probabilities(point, outcome);
   double p = 0;
   for (std::size_t o = 0; o < outcome.size(); ++o)
