@@ -13,6 +13,7 @@
 #include "pipeline/app/trials/vehicle_commands.h"
 #include "pipeline/campaign/setup/vehicle_study.h"
 #include "pipeline/inspect/vehicle_report.h"
+#include "vehicle/family/driveline_share.h"
 #include "vehicle/family/vehicle_numbers.h"
 
 namespace gonogo::app {
@@ -26,11 +27,12 @@ struct NumbersOptions {
 void show_numbers(const Globals& globals, const NumbersOptions& o) {
   const vehicle::Family family = vehicle::read_family(Config::read(shipped_file("families", "family", "wheeled")));
   const vehicle::Vehicle v = vehicle::read_vehicle(inspect::vehicle_file(o.vehicle));
+  const vehicle::VehicleNumbers numbers = vehicle::vehicle_numbers(v, o.gravity);
   Json list = Json::array();
   std::string text = v.name + line(", gravity %.3g m/s2; lengths over the wheel's diameter\n\n", o.gravity) +
                      "number                    value  family's range     place     \n";
   std::size_t outside = 0;
-  for (const vehicle::PlacedNumber& n : vehicle::placed(family, vehicle::vehicle_numbers(v, o.gravity))) {
+  for (const vehicle::PlacedNumber& n : vehicle::placed(family, numbers)) {
     outside += vehicle::excess(n) > 0;
     text += line("%-20s %10.3g  %7.3g to %-7.3g  %-11s %s\n", n.name.c_str(), n.value, n.range.minimum, n.range.maximum,
                  vehicle::place_text(n).c_str(), n.about.c_str());
@@ -42,7 +44,11 @@ void show_numbers(const Globals& globals, const NumbersOptions& o) {
   }
   text += outside == 0 ? "\nthe vehicle lies inside the family\n"
                        : "\nthe vehicle lies outside the family in " + std::to_string(outside) + " of its numbers\n";
+  constexpr double kShown = 20;  // [deg]
+  const double felt = to_degrees(vehicle::felt_slope(v, numbers, to_radians(kShown)));
+  text += line("uphill its driveline makes %g degrees as hard as %.1f with a motor in every wheel\n", kShown, felt);
   Json result = Json::object();
+  result["uphill_20_degrees_feels_deg"] = felt;
   result["vehicle"] = v.name;
   result["gravity_m_per_s2"] = o.gravity;
   result["numbers"] = list;
