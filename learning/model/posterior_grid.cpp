@@ -140,9 +140,9 @@ class GridPatch {
   }
 
  private:
-  static constexpr double kNone = -1;              // no such term yet
-  static constexpr double kDecay = 0.5;            // of a term from the one before it
-  static constexpr double kLeft = kGridError / 4;  // a term may be left out where it may be as large as this
+  static constexpr double kNone = -1;               // no such term yet
+  static constexpr double kDecay = 0.5;             // of a term from the one before it
+  static constexpr double kLeft = kGridError / 16;  // a term may be left out where it may be as large as this
 
   bool is_term(int i, int j) const { return (i == 0 || !first_->is_point) && (j == 0 || !second_->is_point); }
   double size(int i, int j) const { return size_[std::size_t(i)][std::size_t(j)]; }
