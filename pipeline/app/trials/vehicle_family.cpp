@@ -46,7 +46,10 @@ void show_numbers(const Globals& globals, const NumbersOptions& o) {
                        : "\nthe vehicle lies outside the family in " + std::to_string(outside) + " of its numbers\n";
   constexpr double kShown = 20;  // [deg]
   const double felt = to_degrees(vehicle::felt_slope(v, numbers, to_radians(kShown)));
-  text += line("uphill its driveline makes %g degrees as hard as %.1f with a motor in every wheel\n", kShown, felt);
+  text +=
+      felt - kShown < 0.05
+          ? "uphill its driveline lets every wheel pull as its load does\n"
+          : line("uphill its driveline makes %g degrees as hard as %.1f with a motor in every wheel\n", kShown, felt);
   Json result = Json::object();
   result["uphill_20_degrees_feels_deg"] = felt;
   result["vehicle"] = v.name;
