@@ -77,6 +77,7 @@ std::vector<vehicle::PlacedNumber> numbers_of(const FamilyMember& m, const std::
   for (vehicle::PlacedNumber& n : list) {
     n.range = sampled[index(n.name.c_str())];
     if (only_helps(n.name)) n.value = std::min(n.value, n.range.maximum);
+    if (n.name == "centre_height_ratio") n.value = std::max(n.value, n.range.minimum);  // a lower one never hurts
   }
   return list;
 }

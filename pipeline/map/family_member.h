@@ -37,9 +37,9 @@ FamilyMember family_member(const vehicle::Family& family, double family_gravity,
 std::vector<double> family_point(const FamilyMember& member, std::span<const double> point);
 
 /// Values of the family's variables that the member has without payload, by their names in the contract. What only
-/// helps counts as the most that was sampled where there is more of it: force, power and clearance. No soil returns
-/// more than about the weight to a wheel, so that wheels spin long before the largest sampled force. `sampled`: box of
-/// the family's model.
+/// helps counts as the most that was sampled where there is more of it: force, power and clearance, and a centre of
+/// mass that is lower than sampled as the lowest. No soil returns more than about the weight to a wheel, so that wheels
+/// spin long before the largest sampled force. `sampled`: box of the family's model.
 Spreads family_values(const FamilyMember& member, const std::vector<Range>& sampled);
 
 /// The family's model as one of the member. Its box is that of the family's trials at the member's scale. Payloads go

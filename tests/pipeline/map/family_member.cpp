@@ -357,6 +357,20 @@ TEST_CASE("a lunar rover is answered at the Moon's gravity, and more force than 
   CHECK(summary.area.share(Verdict::unknown) < 1);
 }
 
+TEST_CASE("a centre of mass lower than sampled counts as the lowest, and a higher one lies outside") {
+  std::vector<Range> sampled(contract().variables.size());
+  FamilyMember member = member_of(0.9, kGravity);
+  for (const vehicle::PlacedNumber& n : vehicle::placed(member.family, member.numbers))
+    if (n.name != "top_speed_number") sampled[index(n.name.c_str())] = n.range;
+  const Range range = sampled[index("centre_height_ratio")];
+  member.numbers.centre_height = 0.8 * range.minimum;
+  CHECK(family_values(member, sampled).at("centre_height_ratio").low == range.minimum);
+  CHECK(numbers_outside(member, sampled).empty());
+  member.numbers.centre_height = 1.1 * range.maximum;
+  REQUIRE(numbers_outside(member, sampled).size() == 1);
+  CHECK(contains(numbers_outside(member, sampled).front(), "centre_height_ratio"));
+}
+
 TEST_CASE("a family's model is refused without a vehicle, for tracks, and where its trials are gone") {
   const TemporaryFolder folder;
   const fs::path model = copy_family(folder);
