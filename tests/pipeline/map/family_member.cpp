@@ -332,9 +332,14 @@ TEST_CASE("a vehicle outside its family is unknown by number and amount, with wh
   const TemporaryFolder folder;
   const fs::path model = copy_family(folder);
   write_region(folder);
-  const MapSummary summary = make_map(read_map_request(files_of(folder, model, "mgru3_rover", "map")));
+  Json heavy = Json::read(kConfigs / "vehicles/mgru3_rover.json");
+  heavy["vehicle"] = "heavy_rover";
+  heavy["chassis"]["mass_kg"] = 2000.0;
+  write_file_atomically(folder / "heavy.json", heavy.dump());
+  const MapSummary summary =
+      make_map(read_map_request(files_of(folder, model, (folder / "heavy.json").string(), "map")));
   CHECK(summary.area.share(Verdict::unknown) == 1);
-  CHECK(says(summary, "mgru3_rover lies outside the family, so that every cell is unknown: centre_height_ratio 0.5"));
+  CHECK(says(summary, "heavy_rover lies outside the family, so that every cell is unknown: load_number 8.05"));
   CHECK(says(summary, "gonogo vehicle study"));
   CHECK(says(summary, "Cost: 600 trials"));
 }
