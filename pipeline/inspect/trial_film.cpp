@@ -12,7 +12,8 @@ namespace {
 std::string text_of(const char* format, double value) { return std::isnan(value) ? "–" : line(format, value); }
 
 report::FilmStyle style_of(const report::FilmRequest& request, const FilmedTrial& trial) {
-  report::FilmStyle style{.title = trial.title, .azimuth = 16 * kDegree, .elevation = 13 * kDegree};
+  report::FilmStyle style{
+      .title = trial.title, .azimuth = to_radians(trial.azimuth), .elevation = to_radians(trial.elevation)};
   if (request.colour == report::GrainColour::speed) {
     style.bar_label = "grain speed [m/s]";
     style.bar_high = trial.commanded_speed / 2;  // few grains are faster: those that a lug throws out

@@ -12,6 +12,7 @@ struct FilmedTrial {
   std::string title = {};
   double slope_along = 0, slope_across = 0;  // [deg]
   double commanded_speed = 0;                // half of it is the upper end of the colour bar [m/s]
+  double azimuth = 16, elevation = 13;       // of the camera [deg], see report::frame_model()
 };
 
 class TrialFilm {

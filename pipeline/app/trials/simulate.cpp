@@ -34,6 +34,7 @@ struct SimulateOptions {
   campaign::TrialCheckpoint checkpoint;
   terrain::AskedNumerics numerics;
   std::string size = "1280x720", colour = "speed";
+  double azimuth = inspect::FilmedTrial().azimuth, elevation = inspect::FilmedTrial().elevation;  // [deg]
   bool gpu = false, compliant = false, folded = false, numerics_given = false, wheel_rolling_given = false;
   double wheel_rolling = 1;
   int gpus = 0;  // not given
@@ -97,7 +98,9 @@ campaign::TrialRecord watched_trial(const Globals& globals, const SimulateOption
   inspect::TrialFilm film(film_request(globals, options), {.title = setup.name,
                                                            .slope_along = value("slope_along"),
                                                            .slope_across = value("slope_across"),
-                                                           .commanded_speed = value("commanded_speed")});
+                                                           .commanded_speed = value("commanded_speed"),
+                                                           .azimuth = options.azimuth,
+                                                           .elevation = options.elevation});
   sim::require_backend(device_of(options));
   campaign::prepare_trials(setup, {&point, 1}, threads_or_all(globals.threads));
   std::string csv;
@@ -289,6 +292,10 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   add_named(*command, "--size", options->size, "WIDTHxHEIGHT", "Size of pictures [pixels]");
   command->add_option("--colour", options->colour, "What colours the grains")
       ->check(CLI::IsMember({"speed", "height"}));
+  command->add_option("--azimuth", options->azimuth, "Turns the camera from the right side towards the front [deg]")
+      ->check(CLI::Range(-180.0, 180.0));
+  command->add_option("--elevation", options->elevation, "Raises the camera; 50 shows ruts [deg]")
+      ->check(CLI::Range(0.0, 89.0));
   add_examples(
       *command,
       {"gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30",

@@ -4,6 +4,7 @@
 #include <cairo.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 
@@ -89,6 +90,14 @@ int frames_in(const fs::path& folder) {
   return count;
 }
 
+/// Rows of a picture between title and foot on which something stands before the background.
+int rows_with_model(const fs::path& path) {
+  const Png png(path);
+  int rows = 0;
+  for (int y = 40; y < 220; ++y) rows += png.count(png.pixel(2, y), 0, y, 400, y + 1) < 400;
+  return rows;
+}
+
 void write_script(const fs::path& path, const std::string& body) {
   std::ofstream(path) << "#!/bin/sh\n" << body;
   fs::permissions(path, fs::perms::owner_all);
@@ -167,6 +176,26 @@ TEST_CASE("two films of one trial have the same bytes, whatever the threads") {
     filmed(setup, p, film, nullptr);
   }
   CHECK(read_file(folder / "1.png") == read_file(folder / "3.png"));
+}
+
+TEST_CASE("a raised camera shows more of the ground") {
+  const TemporaryFolder folder;
+  const TrialSetup setup = short_setup(0.1);
+  const DesignPoint p = design_point(5, 34, 0.25);
+  prepare_trials(setup, {&p, 1}, 1);
+  const auto rows = [&](double elevation) {
+    FilmRequest request = small_film();
+    request.picture = folder / "end.png";
+    FilmedTrial trial = small_trial(5);
+    trial.elevation = elevation;
+    TrialFilm film(request, trial);
+    filmed(setup, p, film, nullptr);
+    return rows_with_model(request.picture);
+  };
+  const int flat = rows(5), steep = rows(60);
+  std::printf("rows that show the bed: %d from 5 degrees, %d from 60\n", flat, steep);
+  CHECK(flat > 20);
+  CHECK(steep > 1.2 * flat);
 }
 
 TEST_CASE("a trial that was repeated is shown as it was the second time") {
