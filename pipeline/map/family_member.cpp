@@ -66,8 +66,12 @@ double largest_payload(const std::vector<Range>& sampled, const FamilyMember& m)
   return share;
 }
 
-bool only_helps(const std::string& number) {
-  return number == "force_number" || number == "power_number" || number == "clearance_ratio";
+/// The value, or the end of the range where what lies beyond it never hurts: more force, power or clearance, a lower
+/// centre of mass.
+double counted(const vehicle::PlacedNumber& n) {
+  if (n.name == "force_number" || n.name == "power_number" || n.name == "clearance_ratio")
+    return std::min(n.value, n.range.maximum);
+  return n.name == "centre_height_ratio" ? std::max(n.value, n.range.minimum) : n.value;
 }
 
 /// The numbers that are variables of the contract, with what was sampled; trials command the speed.
@@ -76,8 +80,7 @@ std::vector<vehicle::PlacedNumber> numbers_of(const FamilyMember& m, const std::
   std::erase_if(list, [](const vehicle::PlacedNumber& n) { return n.name == "top_speed_number"; });
   for (vehicle::PlacedNumber& n : list) {
     n.range = sampled[index(n.name.c_str())];
-    if (only_helps(n.name)) n.value = std::min(n.value, n.range.maximum);
-    if (n.name == "centre_height_ratio") n.value = std::max(n.value, n.range.minimum);  // a lower one never hurts
+    n.value = counted(n);
   }
   return list;
 }
@@ -161,20 +164,18 @@ OutcomeModel model_of_member(const OutcomeModel& family, const FamilyMember& mem
     return [to_family, answer](std::span<const double> points, auto... rest) { answer(to_family(points), rest...); };
   };
   model.probabilities = at_family(family.probabilities);
-  if (family.on_slopes)
-    model.on_slopes = [member, to_family, answer = family.on_slopes](auto points, auto along, auto across,
-                                                                     auto result) {
-      answer(to_family(points), felt(member, along), across, result);
+  const auto at_felt = [member, to_family](const auto& answer) {
+    return [member, to_family, answer](std::span<const double> points, std::span<const double> slopes, auto... rest) {
+      answer(to_family(points), felt(member, slopes), rest...);
     };
+  };
+  if (family.on_slopes) model.on_slopes = at_felt(family.on_slopes);
   for (auto& answer : model.members) answer = at_family(answer);
   if (family.novelty)
     model.novelty = [member, novelty = family.novelty](std::span<const double> point) {
       return novelty(family_point(member, point));
     };
-  if (family.novelty_uphill)
-    model.novelty_uphill = [member, to_family, answer = family.novelty_uphill](auto point, auto slopes, auto result) {
-      answer(to_family(point), felt(member, slopes), result);
-    };
+  if (family.novelty_uphill) model.novelty_uphill = at_felt(family.novelty_uphill);
   for (const ScaledVariable& v : scaled_variables(member)) {
     model.sampled[v.variable].minimum *= v.factor;
     model.sampled[v.variable].maximum *= v.factor;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vehicle/model/statics.h"
+
 namespace gonogo::vehicle {
 namespace {
 
@@ -27,8 +29,7 @@ double driveline_share(const Vehicle& v, const VehicleNumbers& numbers, double s
   for (const double share : driven) pull += share;
   const bool shares_torque = !v.driveline.wheel_motors && v.driveline.centre == Differential::open;
   for (std::size_t i = 0; shares_torque && i < driven.size(); ++i) {
-    const double front = v.driveline.front_share, n = double(driven.size());
-    const double torque = n == 2 ? (i == 0 ? front : 1 - front) : 1 / n;  // as driveline_of() in driving.cpp shares it
+    const double torque = torque_share(v.driveline, i, driven.size());
     if (torque > 0) pull = std::min(pull, driven[i] / torque);
   }
   constexpr double kRounding = 1e-9;

@@ -111,6 +111,11 @@ std::vector<double> contact_pressures(const Vehicle& v) {
   return result;
 }
 
+double torque_share(const Driveline& d, std::size_t i, std::size_t n) {
+  if (n == 2) return i == 0 ? d.front_share : 1 - d.front_share;
+  return 1.0 / double(n);
+}
+
 double drive_radius(const Vehicle& v) {
   if (v.kind == VehicleKind::tracked) return v.track->sprocket_radius;
   for (const Station& s : stations(v))

@@ -40,6 +40,10 @@ std::vector<GearSpeed> gear_speeds(const Vehicle& v);
 /// Largest sum of drive torques at all driven wheels or sprockets, in the lowest gear [N m].
 double largest_drive_torque(const Vehicle& v);
 
+/// Torque to the driven axle i of n, in the order of the file, over that behind the gearbox: an open centre
+/// differential shares by `front_share` between two axles, and equally among more.
+double torque_share(const Driveline& d, std::size_t i, std::size_t n);
+
 /// Distance from the driven axle to the line of the ground force: wheel or sprocket radius [m].
 double drive_radius(const Vehicle& v);
 

@@ -148,8 +148,7 @@ void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e
     for (std::size_t k = 0; k < 2; ++k) d.axle[0].wheel[k] = e.track[k].drive_motor;
   }
   for (Index a = 0; a < d.axle_count; ++a)
-    d.axle[a].share =
-        d.axle_count == 2 ? (a == 0 ? v.driveline.front_share : 1 - v.driveline.front_share) : 1.0 / d.axle_count;
+    d.axle[a].share = torque_share(v.driveline, std::size_t(a), std::size_t(d.axle_count));
   set_driver(v, orders, world, e, d);
   world.driveline.push_back(d);
 }

@@ -64,11 +64,16 @@ std::vector<double> point_of(std::initializer_list<std::pair<const char*, double
   return point;
 }
 
-void set_numbers(std::vector<double>& point, const FamilyMember& member) {
+/// The family's ranges, as a box of its trials.
+std::vector<Range> sampled_by(const FamilyMember& member) {
   std::vector<Range> sampled(contract().variables.size());
   for (const vehicle::PlacedNumber& n : vehicle::placed(member.family, member.numbers))
     if (n.name != "top_speed_number") sampled[index(n.name.c_str())] = n.range;
-  for (const auto& [name, spread] : family_values(member, sampled)) point[index(name.c_str())] = spread.low;
+  return sampled;
+}
+
+void set_numbers(std::vector<double>& point, const FamilyMember& member) {
+  for (const auto& [name, spread] : family_values(member, sampled_by(member))) point[index(name.c_str())] = spread.low;
 }
 
 }  // namespace
@@ -175,9 +180,7 @@ TEST_CASE("measures come back at the member's scale, and its own trial keeps sli
 
 TEST_CASE("a member's own trials are points of its family: payload as load, soil and speed at the family's scale") {
   const FamilyMember member = member_of(0.5, 1.62);
-  std::vector<Range> sampled(contract().variables.size());
-  for (const vehicle::PlacedNumber& n : vehicle::placed(member.family, member.numbers))
-    if (n.name != "top_speed_number") sampled[index(n.name.c_str())] = n.range;
+  const std::vector<Range> sampled = sampled_by(member);
   TrialRecord record;
   record.point.variables = point_of({{"slope_along", 7}, {"cohesion", 4}, {"payload", 0.25 * member.mass}});
   record.measures.assign(contract().measures.size(), 1);
@@ -363,10 +366,8 @@ TEST_CASE("a lunar rover is answered at the Moon's gravity, and more force than 
 }
 
 TEST_CASE("a centre of mass lower than sampled counts as the lowest, and a higher one lies outside") {
-  std::vector<Range> sampled(contract().variables.size());
   FamilyMember member = member_of(0.9, kGravity);
-  for (const vehicle::PlacedNumber& n : vehicle::placed(member.family, member.numbers))
-    if (n.name != "top_speed_number") sampled[index(n.name.c_str())] = n.range;
+  const std::vector<Range> sampled = sampled_by(member);
   const Range range = sampled[index("centre_height_ratio")];
   member.numbers.centre_height = 0.8 * range.minimum;
   CHECK(family_values(member, sampled).at("centre_height_ratio").low == range.minimum);
