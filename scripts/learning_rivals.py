@@ -3,8 +3,9 @@
 
     python3 -m venv out/rivals && out/rivals/bin/pip install scikit-learn h5py
     out/rivals/bin/python scripts/learning_rivals.py --dataset data/hmmwv_32mm/fresh.h5 MODEL...
+    out/rivals/bin/python scripts/learning_rivals.py --dataset data/viper_32mm/dataset.h5 --folds 5
 
-Other trials score than those that a model was trained on: those of another dataset, or those held out of its own.
+With --folds the rivals alone are cross-validated on the dataset, replicates in one fold. Otherwise other trials score than those that a model was trained on: those of another dataset, or those held out of its own.
 
 Rivals of scikit-learn are boosted trees with the known monotone directions, logistic regression on squares and products,
 and an ensemble of ten networks. `gonogo evaluate` scores model and exact Gaussian process, and how well rows of the machine
@@ -24,6 +25,7 @@ import h5py
 import numpy
 from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.linear_model import LogisticRegressionCV
+from sklearn.model_selection import GroupKFold
 from sklearn.neural_network import MLPClassifier
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import PolynomialFeatures, StandardScaler
@@ -110,26 +112,55 @@ def evaluated(gonogo, model, dataset):
                    for name, key in (("AUC of rows", "machine"), ("AUC of trials", "trials"))}
 
 
+def standardised(points, by):
+    """Both arrays by the mean and spread of `by`, without the variables that do not vary in it."""
+    used = numpy.nanstd(by, 0) > 0
+    return [(x[:, used] - by[:, used].mean(0)) / by[:, used].std(0) for x in (by, points)], used
+
+
+def cross_validated(dataset, folds):
+    with h5py.File(dataset) as data:
+        names = sorted(data["variables"])
+        index, first = data["design/index"][()], data["design/replicate_of"][()].astype(int)
+        known = data["outcome/verdict"][()] != 4
+    points, label = trials_of_dataset(dataset, names)
+    group = numpy.where(first < 0, index, first)[known]
+    result = {}
+    for name in rivals(names):
+        p = numpy.zeros(len(label))
+        for seen, held_out in GroupKFold(folds, shuffle=True, random_state=1).split(points, label, group):
+            (x, z), used = standardised(points[held_out], points[seen])
+            fit = rivals([n for n, u in zip(names, used) if u])[name]
+            p[held_out] = fit(x, label[seen]).predict_proba(z)[:, 1]
+        result[name] = scores(p, label)
+    return result
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("models", nargs="+", type=pathlib.Path)
+    parser.add_argument("models", nargs="*", type=pathlib.Path)
     parser.add_argument("--dataset", required=True, type=pathlib.Path, help="trials that score; those trained on are left out")
+    parser.add_argument("--folds", type=int, default=0, help="cross-validate the rivals on the dataset instead")
     parser.add_argument("--gonogo", default="build/cpu-release/gonogo")
     options = parser.parse_args()
+    if bool(options.models) == bool(options.folds):
+        parser.error("name models, or give --folds")
     warnings.filterwarnings("ignore")  # of solvers that stop at their limit
+    if options.folds:
+        for name, (brier, loss) in cross_validated(options.dataset, options.folds).items():
+            print(f"{name}: Brier {brier:.4f}, log loss {loss:.3f} nat")
+        return
     found = collections.defaultdict(lambda: collections.defaultdict(list))
     for model in options.models:
         names, points, label = trials_of_model(model)
         fresh, happened = unseen(*trials_of_dataset(options.dataset, names), points)
-        used = [v for v in range(len(names)) if numpy.nanstd(points[:, v]) > 0]
-        mean, scale = points[:, used].mean(0), points[:, used].std(0)
-        x, z = (points[:, used] - mean) / scale, (fresh[:, used] - mean) / scale
+        (x, z), used = standardised(fresh, points)
         size = len(label)
         folder = re.fullmatch(r"trials_(\d+)_subset_\d+", model.resolve().parent.name)
         row = found[int(folder[1]) if folder else size]
         for name, pair in evaluated(options.gonogo, model, options.dataset).items():
             row[name].append(pair)
-        for name, fit in rivals([names[v] for v in used]).items():
+        for name, fit in rivals([n for n, u in zip(names, used) if u]).items():
             row[name].append(scores(fit(x, label).predict_proba(z)[:, 1], happened))
     print("trials, models, scores (Brier, log loss [nat]) and AUC (bins, values): mean over the models")
     for size, row in sorted(found.items()):

@@ -8,7 +8,7 @@ namespace gonogo::api {
 
 struct TrainRequest {
   std::filesystem::path dataset{}, model{};     // dataset.h5 to read, model.h5 to write
-  std::vector<std::filesystem::path> others{};  // datasets of other fidelities, which add to the first
+  std::vector<std::filesystem::path> others{};  // datasets that add to the first, mostly of other fidelities
   std::string study{};                  // a file or shipped study with settings of learning; empty: the usual ones
   std::optional<std::uint64_t> seed{};  // none: the study's, or 1
   std::size_t hold_out = 0;             // trials that are kept for evaluate()

@@ -264,7 +264,7 @@ void remark_helpers(OutcomeModel& model, const TrainedModel& trained) {
   if (const Json* others = trained.predictor->model().provenance.find("other_trials"))
     for (const Json& other : others->items())
       model.remarks.push_back(std::to_string(other.at("trials").integer()) +
-                              " trials of another fidelity helped the model: " + other.at("fidelity").string());
+                              " other trials helped the model: " + other.at("fidelity").string());
 }
 
 /// The vehicle's own name; the file's, if it gives none.

@@ -138,13 +138,13 @@ std::size_t batch_size(const LearningSettings& settings, std::size_t trials) {
 
 }  // namespace
 
-LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials) {
+LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials, std::size_t others) {
   learning::TrainingSettings& training = settings.training;
   const bool other_rows =
       settings.sampler != "block_gibbs" ||
       (settings.given.count("negative") && training.negative != learning::NegativePhaseKind::code_words);
   if (other_rows) return settings;
-  const bool many = trials >= kManyTrials;
+  const bool many = trials + others >= kManyTrials;
   // Points of a teacher that share in the joint distribution keep its large weight from blurring the edge.
   const bool is_taught = settings.teacher.value_or(1) > 0 && settings.importance == 1;
   const bool is_followed = many && settings.teacher.value_or(1) > 0;  // the teacher, as closely as the machine can
@@ -169,8 +169,9 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
   return settings;
 }
 
-learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed) {
-  learning::TrainingSettings training = settings_for_trials(settings, trials).training;
+learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::size_t others,
+                                             std::uint64_t seed) {
+  learning::TrainingSettings training = settings_for_trials(settings, trials, others).training;
   training.seed = seed;
   training.batch = batch_size(settings, trials);
   return training;

@@ -98,13 +98,16 @@ LearningSettings read_learning_settings(const std::optional<Config>& section);
 /// From kManyTrials trials on, keys that are not given get the defaults for a machine whose joint distribution is
 /// right: code_words, 48 hidden units, generative 0.3, weight_decay 0.3, calibrate, 256 chains of one sweep an update,
 /// minibatches of 64, 3,500 updates with the learning rate falling to 0.05 of itself, and a teacher of weight 30 at
-/// 16,384 points. Settings stay where the study chooses another negative phase or another sampler.
+/// 16,384 points. Settings stay where the study chooses another negative phase or another sampler. `others`: trials of
+/// other fidelities, or of the vehicle's family, that the teacher learns, too. They count as own ones do, since a small
+/// machine cannot follow what the teacher knows by them.
 inline constexpr std::size_t kManyTrials = 200;
-LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials);
+LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials, std::size_t others);
 
 /// settings_for_trials() as the trainer takes them. Unless the study gives `batch`, an epoch has at most 32
 /// minibatches.
-learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed);
+learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::size_t others,
+                                             std::uint64_t seed);
 
 Json to_json(const LearningSettings& settings);
 

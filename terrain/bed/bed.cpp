@@ -460,6 +460,13 @@ void write_numerics(Json& object, const Numerics& n) {
   object["overlap"] = n.overlap;
 }
 
+bool states_numerics(const Json& object) {
+  if (!object.is_object()) return false;
+  for (const char* key : {"step_s", "substeps", "iterations", "tolerance_m_per_s"})
+    if (!object.find(key)) return false;
+  return true;
+}
+
 Numerics read_numerics(const Json& object) {
   Numerics n;
   n.step = object.at("step_s").number();

@@ -121,6 +121,8 @@ std::string description(const Numerics& n);
 /// Writes the keys of a study's `numerics`: step_s, substeps, iterations, tolerance_m_per_s, target unless ccp, give
 /// unless 0, and contact and overlap unless complementarity.
 void write_numerics(Json& object, const Numerics& n);
+/// Whether the keys are there that every object of numerics has: the first four.
+bool states_numerics(const Json& object);
 /// Reads the same keys.
 Numerics read_numerics(const Json& object);
 

@@ -10,26 +10,15 @@
 
 namespace gonogo::terrain {
 
-namespace {
-
-bool says_numerics(const Json& provenance) {
-  if (!provenance.is_object()) return false;
-  for (const char* key : {"step_s", "substeps", "iterations", "tolerance_m_per_s"})
-    if (!provenance.find(key)) return false;
-  return true;
-}
-
-}  // namespace
-
 Numerics numerics_by_table(const Calibration& table, const std::filesystem::path& file, const AskedNumerics& asked) {
-  if (!asked.complete() && !says_numerics(table.provenance))
+  if (!asked.complete() && !states_numerics(table.provenance))
     throw InputError(file.string() +
                      ": provenance does not say step_s, substeps, iterations and tolerance_m_per_s of the tests, and a "
                      "friction angle belongs to them; give --step, --substeps, --iterations, --tolerance and --target, "
                      "in a study all of trial.numerics, or calibrate again");
   Numerics n = asked.complete() ? Numerics{} : read_numerics(table.provenance);
   // The table's angles belong to its give too. Older tables state none and are rigid.
-  if (says_numerics(table.provenance)) n.give = read_numerics(table.provenance).give;
+  if (states_numerics(table.provenance)) n.give = read_numerics(table.provenance).give;
   n.step = asked.step.value_or(n.step);
   n.substeps = asked.substeps.value_or(n.substeps);
   n.iterations = asked.iterations.value_or(n.iterations);

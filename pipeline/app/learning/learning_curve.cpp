@@ -9,7 +9,7 @@ namespace gonogo::app {
 namespace {
 
 struct LearningCurveOptions {
-  std::vector<std::filesystem::path> datasets;         // each of another fidelity
+  std::vector<std::filesystem::path> datasets;         // of any fidelities
   std::filesystem::path study, out;                    // study: empty for defaults
   std::optional<std::uint64_t> seed;                   // nothing: the study's, or 1
   std::vector<std::size_t> trials = {100, 300, 1000};  // numbers to train on
@@ -47,7 +47,7 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals) {
       "learning-curve", "Train on 100, 300, ... trials of a dataset and score model and baselines on held-out ones");
   const auto options = std::make_shared<LearningCurveOptions>();
   add_named(*command, "--dataset", options->datasets, kFile,
-            "Trials (dataset.h5); of several, each of another fidelity, the finest count and the others help")
+            "Trials (dataset.h5); of several, the finest count and the others help")
       ->required();
   add_named(*command, "--study", options->study, kStudy,
             "Study whose sections \"learning\" and \"design\" apply; defaults without");

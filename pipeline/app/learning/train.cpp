@@ -10,7 +10,7 @@ namespace gonogo::app {
 namespace {
 
 struct TrainOptions {
-  std::vector<std::filesystem::path> datasets;  // each of another fidelity
+  std::vector<std::filesystem::path> datasets;  // of any fidelities
   std::filesystem::path study, out;             // study: empty for defaults
   std::optional<std::uint64_t> seed;            // nothing: the study's, or 1
   int members = 0;                              // models on reweighted trials
@@ -58,8 +58,7 @@ void add_train_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand("train", "Train a model of the outcomes on simulated trials");
   const auto options = std::make_shared<TrainOptions>();
   add_named(*command, "--dataset", options->datasets, kFile,
-            "Trials to train on (dataset.h5); of several, each of another fidelity, the model answers at the "
-            "finest and the others help")
+            "Trials to train on (dataset.h5); of several, the model answers at the finest and the others help")
       ->required();
   add_named(*command, "--study", options->study, kStudy,
             "Study whose sections \"learning\" and \"design\" apply; defaults without");

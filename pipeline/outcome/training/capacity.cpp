@@ -114,7 +114,7 @@ Capacity::Machine measured(const TrainingData& data, LearningSettings settings, 
     if (!settings.encoders.count(variable.name) && variable.encoder.code != "one_hot")
       settings.encoders[variable.name] = {variable.encoder.code, bits};
   settings.teacher = 0;
-  learning::TrainingSettings training = training_settings(settings, data.table.row_count(), seed);
+  learning::TrainingSettings training = training_settings(settings, data.table.row_count(), 0, seed);
   const learning::VisibleLayout layout = make_layout(data, settings);
   Capacity::Machine machine{.bits = bits,
                             .hidden = training.hidden,

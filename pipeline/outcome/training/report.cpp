@@ -126,7 +126,7 @@ std::string report_text(const TrainingReport& report) {
       line("%zu trials: trained on %zu, left out %zu that failed (rate %.3f, 95 %% interval %.3f to %.3f)\n",
            report.counts.trials, report.counts.trained_on, report.counts.unknown, rate.value, rate.low, rate.high);
   for (const OtherDataset& other : report.others)
-    text += line("%zu trials of another fidelity help: %s\n", other.trials, other.fidelity.c_str());
+    text += line("%zu other trials help: %s\n", other.trials, other.fidelity.c_str());
   text += "outcomes:";
   for (const auto& [name, count] : report.counts.outcomes)
     if (count > 0) text += line(" %s %zu", name.c_str(), count);

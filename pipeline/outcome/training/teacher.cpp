@@ -16,6 +16,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/design/sobol.h"
 #include "pipeline/outcome/training_data.h"
+#include "terrain/bed/bed.h"
 #include "vehicle/family/numbers.h"
 #include "vehicle/model/statics.h"
 
@@ -30,6 +31,19 @@ std::string rolling_text(double wheel_rolling) {
                             : line(", which resist rolling on it %.3g-fold", wheel_rolling);
 }
 
+/// Of trials: their soil table's numerics, with the study's in their place.
+bool solves_contacts(const campaign::Provenance& provenance, const Json& soil, const std::string& where) {
+  constexpr int kManyUpdates = 100;  // of a step
+  Json stated = soil.find("provenance") ? soil.at("provenance") : Json::object();
+  if (!provenance.study.empty())
+    if (const Json study = Json::parse(provenance.study, where + ": study"); const Json* trial = study.find("trial"))
+      if (const Json* numerics = trial->find("numerics"))
+        for (const auto& [key, value] : numerics->members()) stated[key] = value;
+  if (!terrain::states_numerics(stated)) return false;
+  const terrain::Numerics n = terrain::read_numerics(stated);
+  return sim::is_penalty(n.contact) || n.give > 0 || n.tolerance > 0 || n.substeps * n.iterations >= kManyUpdates;
+}
+
 void require_pair(const TrialSource& a, const TrialSource& b) {
   if (a.gravity != b.gravity)
     throw InputError(b.where + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) + a.where +
@@ -37,9 +51,6 @@ void require_pair(const TrialSource& a, const TrialSource& b) {
   if (a.vehicle != b.vehicle)
     throw InputError(b.where + ": its trials drove the vehicle " + b.vehicle + ", those of " + a.where + " " +
                      a.vehicle + "; another vehicle needs a model of its own: train on each alone");
-  if (a.fidelity == b.fidelity)
-    throw InputError(b.where + ": its trials have the fidelity of " + a.where + " (" + a.fidelity.text() +
-                     "); give one dataset of each fidelity");
 }
 
 /// Appends the rows with these inputs after their variables. Their groups are new ones.
@@ -69,7 +80,8 @@ double mean_width(const vehicle::Family& family) {
 
 bool Fidelity::is_finer_than(const Fidelity& other) const {
   const auto rank = [](const Fidelity& f) {
-    return std::tuple(f.is_whole, f.has_compliant_tyres, -std::abs(f.wheel_rolling - 1), f.grains_per_tyre);
+    return std::tuple(f.is_whole, f.has_compliant_tyres, f.has_solved_contacts, -std::abs(f.wheel_rolling - 1),
+                      f.grains_per_tyre);
   };
   return rank(*this) > rank(other);
 }
@@ -77,11 +89,13 @@ bool Fidelity::is_finer_than(const Fidelity& other) const {
 std::string Fidelity::text() const {
   return std::string(is_whole ? "whole vehicle" : "quarter of a vehicle") +
          (has_compliant_tyres ? ", compliant tyres" : ", rigid tyres") +
-         line(", %.1f grains across a wheel", grains_per_tyre) + rolling_text(wheel_rolling);
+         line(", %.1f grains across a wheel", grains_per_tyre) + rolling_text(wheel_rolling) +
+         (has_solved_contacts ? ", contacts solved" : ", contacts left unsolved");
 }
 
 std::vector<double> Fidelity::inputs() const {
-  return {double(is_whole), double(has_compliant_tyres), std::log2(grains_per_tyre), wheel_rolling};
+  return {double(is_whole), double(has_compliant_tyres), std::log2(grains_per_tyre), wheel_rolling,
+          double(has_solved_contacts)};
 }
 
 TrialSource source_of(const campaign::Provenance& provenance, const std::string& where) {
@@ -94,7 +108,7 @@ TrialSource source_of(const campaign::Provenance& provenance, const std::string&
   const std::string &vehicle_text = text_of("vehicle"), &soil_text = text_of("calibration");
   const campaign::TrialSettings settings = campaign::settings_of(provenance, where);
   const Config file = Config::parse(vehicle_text, where + ": vehicle");
-  const double grain = Json::parse(soil_text, where + ": calibration").at("grain_diameter_m").number();
+  const Json soil = Json::parse(soil_text, where + ": calibration");
   const bool is_family = vehicle::is_family(file);
   const double width =
       is_family ? mean_width(vehicle::read_family(file)) : vehicle::tread_width(vehicle::read_any_vehicle(file));
@@ -103,11 +117,18 @@ TrialSource source_of(const campaign::Provenance& provenance, const std::string&
                      .gravity = settings.gravity,
                      .fidelity = {.is_whole = file.text("kind") != "quarter",
                                   .has_compliant_tyres = settings.compliant_tyres,
-                                  .grains_per_tyre = width / grain,
-                                  .wheel_rolling = settings.wheel_rolling}};
+                                  .grains_per_tyre = width / soil.at("grain_diameter_m").number(),
+                                  .wheel_rolling = settings.wheel_rolling,
+                                  .has_solved_contacts = solves_contacts(provenance, soil, where)}};
   if (source.vehicle.size() > kQuarter.size() && source.vehicle.ends_with(kQuarter))
     source.vehicle.resize(source.vehicle.size() - kQuarter.size());
   return source;
+}
+
+std::size_t OtherTrials::count() const {
+  std::size_t sum = 0;
+  for (const OtherDataset& dataset : datasets) sum += dataset.trials;
+  return sum;
 }
 
 learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows) const {
@@ -170,20 +191,23 @@ OtherTrials read_other_trials(const campaign::Provenance& own, const std::string
                               const std::vector<fs::path>& others) {
   OtherTrials result;
   if (others.empty()) return result;
-  std::vector<TrialSource> seen{source_of(own, where)};
+  const TrialSource source = source_of(own, where);
+  std::set<std::string> hashes;
+  if (fs::is_regular_file(where)) hashes.insert(file_hash(where));
   for (const fs::path& file : others) {
+    if (!hashes.insert(file_hash(file)).second)
+      throw InputError(file.string() + ": is given twice; name each dataset once");
     const campaign::Dataset dataset = campaign::read_dataset(file);
     if (are_of_wheels(dataset.records)) {
-      add_wheels(result, dataset, file, seen.front(), family_diameter(own, where));
+      add_wheels(result, dataset, file, source, family_diameter(own, where));
       continue;
     }
-    result.own = seen.front().fidelity.inputs();
-    const TrialSource source = source_of(dataset.provenance, file.string());
-    for (const TrialSource& earlier : seen) require_pair(earlier, source);
+    result.own = source.fidelity.inputs();
+    const TrialSource other = source_of(dataset.provenance, file.string());
+    require_pair(source, other);
     const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
-    append(result.table, rows, source.fidelity.inputs());
-    result.datasets.push_back({file_hash(file), rows.row_count(), source.fidelity.text()});
-    seen.push_back(source);
+    append(result.table, rows, other.fidelity.inputs());
+    result.datasets.push_back({file_hash(file), rows.row_count(), other.fidelity.text()});
   }
   return result;
 }

@@ -11,7 +11,8 @@
 // Where few trials are of the finest fidelity, the process also learns those of other fidelities. It takes fidelity as
 // inputs beside the variables and answers at the finest; the machine's own rows are the finest trials alone. One kernel
 // over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the output from a complex computer
-// code when fast approximations are available", Biometrika 87:1 (2000).
+// code when fast approximations are available", Biometrika 87:1 (2000). Other trials of the same fidelity, of another
+// design, are as good as own ones to the process.
 //
 // A vehicle whose family has a model starts from its forecast: the log odds of it are the mean of the first process,
 // and an input of both. Few own trials then say how the vehicle differs from its family.
@@ -40,14 +41,17 @@ struct Fidelity {
   bool is_whole = false, has_compliant_tyres = false;
   double grains_per_tyre = 0;  // tyre width over grain diameter [-]
   double wheel_rolling = 0;    // rolling friction of grains on wheels over that between grains [-]
+  /// The numerics show the grains' own strength in a slow shear test (docs/log/creep.md): contacts give, or the solver
+  /// stops at a tolerance or takes a hundred updates a step.
+  bool has_solved_contacts = false;
 
   bool operator==(const Fidelity&) const = default;
-  /// A whole vehicle is finer than a quarter; then compliant tyres than rigid ones; then grains that resist rolling on
-  /// wheels as on each other (docs/wheels.md); then small grains than large ones.
+  /// A whole vehicle is finer than a quarter; then compliant tyres than rigid ones; then solved contacts than others;
+  /// then grains that resist rolling on wheels as on each other (docs/wheels.md); then small grains than large ones.
   bool is_finer_than(const Fidelity& other) const;
-  /// "whole vehicle, compliant tyres, 7.9 grains across a wheel, which resist rolling on it"
+  /// "whole vehicle, compliant tyres, 7.9 grains across a wheel, which resist rolling on it, contacts solved"
   std::string text() const;
-  /// Inputs of the process: 0 or 1, 0 or 1, log2(grains_per_tyre), wheel_rolling.
+  /// Inputs of the process: 0 or 1, 0 or 1, log2(grains_per_tyre), wheel_rolling, 0 or 1.
   std::vector<double> inputs() const;
 };
 
@@ -77,6 +81,8 @@ struct OtherTrials {
   std::shared_ptr<const Forecast> forecast{};  // nothing: none
 
   bool empty() const { return table.row_count() == 0; }
+  /// Trials of all datasets, and those behind the forecast.
+  std::size_t count() const;
   /// What a process learns from: these rows of the model's own trials and all others. `rows` alone without others.
   learning::TrainingTable joined(const learning::TrainingTable& rows) const;
   /// The same without trials at the points of these rows of the own trials: what a process may know that is judged by
@@ -87,12 +93,14 @@ struct OtherTrials {
 };
 
 /// Valid trials of other datasets than the own one, which `where` names. Those of the wheels of a family make
-/// `composed`. Throws InputError where they cannot be learned together: another vehicle, another gravity, or a fidelity
-/// that is there already. A quarter of a vehicle is named as it, with "_quarter" after.
+/// `composed`. Trials of the own fidelity teach, too: those of another design, say. Throws InputError where they cannot
+/// be learned together: another vehicle or another gravity, or a file given twice. A quarter of a vehicle is named as
+/// it, with
+/// "_quarter" after.
 OtherTrials read_other_trials(const campaign::Provenance& own, const std::string& where,
                               const std::vector<std::filesystem::path>& others);
 
-/// The same files, the finest first.
+/// The same files, the finest first; those of one fidelity stay in their order.
 std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::path> datasets);
 
 /// Points that a teacher labels: `count` of a scrambled Sobol' sequence over the sampled box [point x variable].

@@ -48,14 +48,14 @@ Inputs read_inputs(const TrainRequest& request) {
   temper_weights(in.data, in.settings.importance);
   if (request.hold_out > 0) in.held_out = hold_out(in.data, request.hold_out, request.seed);
   if (!request.groups.empty()) keep_groups(in.data, request.groups);
-  const std::size_t rows = in.data.table.row_count();
-  in.settings = settings_for_trials(std::move(in.settings), rows);
-  in.training = training_settings(in.settings, rows, request.seed);
   in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
   if (request.forecast) {
     in.others.forecast = request.forecast;
     in.others.datasets.push_back({request.forecast->hash, request.forecast->trials, request.forecast->about});
   }
+  const std::size_t rows = in.data.table.row_count(), others = in.others.count();
+  in.settings = settings_for_trials(std::move(in.settings), rows, others);
+  in.training = training_settings(in.settings, rows, others, request.seed);
   in.data_hash = file_hash(request.dataset);
   in.teacher = teacher_share(in.settings);
   return in;

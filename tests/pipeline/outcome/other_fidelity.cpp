@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/math/random.h"
 #include "learning/model/model.h"
 #include "learning/rbm/gaussian_process.h"
@@ -24,7 +25,8 @@ namespace fs = std::filesystem;
 namespace {
 
 const fs::path kData = fs::path(GONOGO_SOURCE_DIR) / "data";
-const fs::path kVehicle = kData / "hmmwv_32mm/dataset.h5", kQuarter = kData / "quarter_wheel_32mm/dataset.h5";
+const fs::path kVehicle = kData / "hmmwv_32mm/dataset.h5", kQuarter = kData / "quarter_wheel_32mm/dataset.h5",
+               kFresh = kData / "hmmwv_32mm_fresh/dataset.h5";
 
 /// Trials of two variables: passed below a curve, which is one of shape for all fidelities and lies `shift` higher.
 learning::TrainingTable curved(std::size_t count, double shift, std::uint64_t seed) {
@@ -42,6 +44,10 @@ learning::TrainingTable curved(std::size_t count, double shift, std::uint64_t se
 
 OtherTrials other_trials(const fs::path& own, const std::vector<fs::path>& others) {
   return read_other_trials(campaign::read_dataset(own).provenance, own.string(), others);
+}
+
+Fidelity fidelity_of(const fs::path& file) {
+  return source_of(campaign::read_dataset(file).provenance, file.string()).fidelity;
 }
 
 std::vector<int> labels(const learning::TrainingTable& table) {
@@ -84,12 +90,13 @@ TEST_CASE("few trials correct the forecast of a family, and with it say more tha
 }
 
 TEST_CASE("the shipped trials of the whole vehicle are finer than those of a quarter of it") {
-  const auto of = [](const fs::path& file) {
-    return source_of(campaign::read_dataset(file).provenance, file.string()).fidelity;
-  };
-  const Fidelity whole = of(kVehicle), quarter = of(kQuarter);
-  CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across a wheel, which roll freely on it");
-  CHECK(quarter.text() == "quarter of a vehicle, rigid tyres, 7.9 grains across a wheel, which roll freely on it");
+  const Fidelity whole = fidelity_of(kVehicle), quarter = fidelity_of(kQuarter);
+  CHECK(whole.text() ==
+        "whole vehicle, compliant tyres, 7.9 grains across a wheel, which roll freely on it, "
+        "contacts left unsolved");
+  CHECK(quarter.text() ==
+        "quarter of a vehicle, rigid tyres, 7.9 grains across a wheel, which roll freely on it, "
+        "contacts left unsolved");
   CHECK(whole.grains_per_tyre == Approx(0.254 / 0.032));
   CHECK(whole.is_finer_than(quarter));
   CHECK_FALSE(quarter.is_finer_than(whole));
@@ -104,10 +111,29 @@ TEST_CASE("the shipped trials of the whole vehicle are finer than those of a qua
   CHECK(resisting.is_finer_than(quarter));
   CHECK(resisting.is_finer_than(half));
   CHECK(resisting.is_finer_than(twice));
-  CHECK(resisting.inputs().back() == 1);
-  CHECK(resisting.text().ends_with("which resist rolling on it"));
-  CHECK(half.text().ends_with("which resist rolling on it 0.5-fold"));
+  CHECK(resisting.inputs() == std::vector<double>{0, 0, std::log2(2.8), 1, 0});
+  CHECK(resisting.text().find("which resist rolling on it, ") != std::string::npos);
+  CHECK(half.text().find("which resist rolling on it 0.5-fold") != std::string::npos);
   CHECK(finest_first({kQuarter, kVehicle}) == std::vector<fs::path>{kVehicle, kQuarter});
+}
+
+TEST_CASE("contacts are solved where they give, the solver stops at a tolerance, or a step has many updates") {
+  const Fidelity today = fidelity_of(kFresh), older = fidelity_of(kVehicle);
+  CHECK(today.text().ends_with("which resist rolling on it, contacts solved"));
+  CHECK(today.is_finer_than(older));
+  CHECK(today.is_finer_than(fidelity_of(kData / "hmmwv_32mm/rolling.h5")));
+  CHECK(finest_first({kVehicle, kFresh}) == std::vector<fs::path>{kFresh, kVehicle});
+
+  const auto with = [](const char* numerics) {
+    campaign::Provenance p = campaign::read_dataset(kFresh).provenance;
+    p.study.insert(p.study.find('{', p.study.find("\"trial\"")) + 1, line("\"numerics\": {%s}, ", numerics));
+    return source_of(p, "fresh").fidelity.has_solved_contacts;
+  };
+  CHECK_FALSE(with(R"("give": 0)"));
+  CHECK_FALSE(with(R"("give": 0, "substeps": 49, "iterations": 2)"));
+  CHECK(with(R"("give": 0, "substeps": 10, "iterations": 20)"));
+  CHECK(with(R"("give": 0, "tolerance_m_per_s": 0.005)"));
+  CHECK(with(R"("give": 0, "contact": "hertz")"));
 }
 
 TEST_CASE("other trials follow the own ones with their fidelity as inputs, and replicates stay together") {
@@ -117,7 +143,7 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
   const learning::TrainingTable joined = others.joined(own.table);
   const std::size_t first = own.table.row_count();
   REQUIRE(joined.row_count() == first + others.table.row_count());
-  REQUIRE(joined.variable_count == variables + 4);
+  REQUIRE(joined.variable_count == variables + 5);
   for (std::size_t v = 0; v < variables; ++v) CHECK(joined.row(5)[v] == own.table.row(5)[v]);
   CHECK(joined.row(5)[variables] == 1);
   CHECK(joined.row(first)[variables] == 0);
@@ -126,7 +152,7 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
     for (std::size_t m = n; m < 40; ++m)
       CHECK((joined.group[n] == joined.group[m]) == (own.table.group[n] == own.table.group[m]));
   const std::vector<double> points = others.at_own({1, 2, 3, 4}, 2);
-  CHECK(points == std::vector<double>{1, 2, 1, 1, others.own[2], 0, 3, 4, 1, 1, others.own[2], 0});
+  CHECK(points == std::vector<double>{1, 2, 1, 1, others.own[2], 0, 0, 3, 4, 1, 1, others.own[2], 0, 0});
   CHECK(other_trials(kVehicle, {}).joined(own.table).variables == own.table.variables);
 }
 
@@ -147,9 +173,31 @@ TEST_CASE("a process that is judged at some points does not know other trials at
   CHECK(others.away_from(own.table.subset({})).table.row_count() == others.table.row_count());
 }
 
-TEST_CASE("two datasets of one fidelity are refused, and one that does not tell its own") {
-  refused([] { other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
-  refused([] { other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
+TEST_CASE("trials of the own fidelity teach as own ones do") {
+  const fs::path first = scratch() / "first.h5", second = scratch() / "second.h5";
+  campaign::Dataset half = campaign::read_dataset(kFresh);
+  const std::vector<campaign::TrialRecord> all = half.records;
+  half.records.assign(all.begin(), all.begin() + 150);
+  campaign::write_dataset(first, half);
+  half.records.assign(all.begin() + 150, all.begin() + 300);
+  campaign::write_dataset(second, half);
+  const auto rows = [](const fs::path& file) {
+    return make_training_data(campaign::read_dataset(file).records, {}).table;
+  };
+  const OtherTrials others = other_trials(first, {second});
+  CHECK(finest_first({second, first}) == std::vector<fs::path>{second, first});
+  half.records.assign(all.begin(), all.begin() + 300);
+  const std::vector<double> points = make_training_data({all.begin() + 300, all.end()}, {}).table.variables;
+  const std::vector<double> apart = Teacher(rows(first), others)(points),
+                            alone = Teacher(make_training_data(half.records, {}).table, {})(points);
+  double most = 0;
+  for (std::size_t n = 0; n < apart.size(); ++n) most = std::max(most, std::abs(apart[n] - alone[n]));
+  CHECK(most < 0.02);
+}
+
+TEST_CASE("a dataset that is given twice is refused, and one that does not tell its fidelity") {
+  refused([] { other_trials(kVehicle, {kQuarter, kQuarter}); }, "is given twice; name each dataset once");
+  refused([] { other_trials(kVehicle, {kVehicle}); }, "is given twice; name each dataset once");
   refused([] { other_trials(kVehicle, {kData / "viper_32mm/dataset.h5"}); }, "gravity");
   const fs::path mute = dataset_file("mute.h5", 30, 2);
   refused([&] { finest_first({kVehicle, mute}); }, "does not hold its vehicle");
@@ -173,8 +221,8 @@ TEST_CASE("the rolling friction of grains on the wheels tells two fidelities apa
   };
   CHECK(campaign::settings_of(other, "quarter").wheel_rolling == 0);
   CHECK(campaign::settings_of(with_rolling("0.5"), "quarter").wheel_rolling == 0.5);
-  refused([&] { read_other_trials(with_rolling("0"), "quarter", {kQuarter}); }, "have the fidelity of");
-  CHECK_NOTHROW(read_other_trials(with_rolling("1"), "quarter", {kQuarter}));
+  CHECK(source_of(with_rolling("0"), "quarter").fidelity == fidelity_of(kQuarter));
+  CHECK_FALSE(source_of(with_rolling("1"), "quarter").fidelity == fidelity_of(kQuarter));
   refused([&] { campaign::settings_of(with_rolling("-1"), "quarter"); }, "wheel_rolling");
 }
 
@@ -326,6 +374,6 @@ TEST_CASE("a model that other trials helped names them, and has other bits than 
   request.others = {few};
   const TrainingReport report = train_model(request);
   CHECK(report.others.at(0).trials == 60);
-  CHECK(report_text(report).find("60 trials of another fidelity help: quarter of a vehicle") != std::string::npos);
+  CHECK(report_text(report).find("60 other trials help: quarter of a vehicle") != std::string::npos);
   CHECK_FALSE(learning::read_model(helped).weights == learning::read_model(alone).weights);
 }
