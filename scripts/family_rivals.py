@@ -9,6 +9,10 @@ Semi-empirical relations give a margin (pipeline/map/rivals.h has the sources). 
 logistic curve of its margin, fitted to the trials of the family: the best that a user of the relation could do who has
 these trials. `accuracy` is that of the relation as published: go where the margin is positive. Boosted trees and the
 Gaussian process are scikit-learn's, on the same variables and trials.
+
+Of two vehicles or more, every forecast is also scored with its log odds shifted by the number that suits the trials of the
+other vehicles best, each counting alike. Trials of the vehicle itself have no part in it. For the family's model this is
+what `gonogo train --vehicles` does with the others.
 """
 import argparse
 import csv
@@ -54,9 +58,31 @@ def calibration_error(p, y, bins=10):
     return sum(abs(p[place == k].mean() - y[place == k].mean()) * (place == k).mean() for k in set(place))
 
 
-def line(name, p, y, accuracy=None):
-    text = f"  {name:<16} {brier(p, y):7.4f} {log_loss(p, y):9.3f} {calibration_error(p, y):7.3f}"
-    return text + (f" {accuracy:9.3f}" if accuracy is not None else "")
+def scores(p, y):
+    return f"{brier(p, y):7.4f} {log_loss(p, y):9.3f} {calibration_error(p, y):7.3f}"
+
+
+def interval(p, y):
+    """95 % of the Brier score, by 10,000 bootstrap samples of the trials."""
+    picks = numpy.random.default_rng(1).integers(len(y), size=(10_000, len(y)))
+    return "[%.4f, %.4f]" % tuple(numpy.percentile(((p - y) ** 2)[picks].mean(1), [2.5, 97.5]))
+
+
+def shifted(p, shift):
+    p = numpy.clip(p, 1e-6, 1 - 1e-6)
+    return 1 / (1 + (1 - p) / p * numpy.exp(-shift))
+
+
+def fitted_shift(pairs):
+    """Of pairs of P(go) and outcome, one of each vehicle: where the forecast share is the passing one, on average."""
+    low, high = -10.0, 10.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        if sum(numpy.mean(shifted(p, middle) - y) for p, y in pairs) < 0:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 def forecasts(train, asked):
@@ -87,14 +113,20 @@ def main():
     warnings.simplefilter("ignore", ConvergenceWarning)  # variables that tell nothing get the longest length allowed
     with tempfile.TemporaryDirectory() as folder:
         train = table(options.gonogo, options.model, str(pathlib.Path(options.model) / "dataset.h5"), folder)
-        for entry in options.datasets:
-            vehicle, dataset = entry.split("=", 1)
-            asked = table(options.gonogo, options.model, dataset, folder)
-            y = asked["passed"].astype(int)
-            print(f"{vehicle}: {len(y)} trials of {dataset}\n  {'':<16}   Brier  log loss     ECE  accuracy")
-            print(line("family", asked["p_go"], y, numpy.mean((asked["p_go"] > 0.5) == y)))
-            for name, p, accuracy in forecasts(train, asked):
-                print(line(name.replace("_", " "), p, y, accuracy))
+        vehicles = dict(entry.split("=", 1) for entry in options.datasets)
+        asked = {v: table(options.gonogo, options.model, dataset, folder) for v, dataset in vehicles.items()}
+    happened = {v: t["passed"].astype(int) for v, t in asked.items()}
+    said = {v: [("family", t["p_go"], numpy.mean((t["p_go"] > 0.5) == t["passed"])), *forecasts(train, t)] for v, t in asked.items()}
+    for v, dataset in vehicles.items():
+        print(f"{v}: {len(happened[v])} trials of {dataset}\n  {'':<16}   Brier  log loss     ECE  accuracy"
+              + ("   shifted by the others: Brier, log loss, ECE" if len(vehicles) > 1 else ""))
+        for k, (name, p, accuracy) in enumerate(said[v]):
+            text = f"  {name.replace('_', ' '):<16} {scores(p, happened[v])} " + (f"{accuracy:9.3f}" if accuracy is not None else " " * 9)
+            if len(vehicles) > 1:
+                shift = fitted_shift([(said[other][k][1], happened[other]) for other in vehicles if other != v])
+                q = shifted(p, shift)
+                text += f"   {shift:+6.2f} {scores(q, happened[v])}" + (" " + interval(q, happened[v]) if name == "family" else "")
+            print(text)
 
 
 if __name__ == "__main__":

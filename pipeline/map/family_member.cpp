@@ -9,6 +9,7 @@
 #include "base/format.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
+#include "pipeline/outcome/training_data.h"
 #include "vehicle/family/driveline_share.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/world/engine_vehicle.h"
@@ -206,19 +207,61 @@ campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMem
   return result;
 }
 
+namespace {
+
+bool drove_family(const campaign::Dataset& trials, const std::filesystem::path& file) {
+  const std::string* text = campaign::input_text(trials.provenance, "vehicle");
+  return text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle"));
+}
+
+/// `box`: sampled by the family's trials.
+campaign::Dataset in_family(const campaign::Dataset& own, const TrialVehicle& driven, const vehicle::Family& family,
+                            double family_gravity, const std::vector<Range>& box) {
+  FamilyMember member = family_member(family, family_gravity, driven.vehicle, driven.gravity);
+  if (!driven.compliant_tyres) member.numbers.wheel.deflection = 0;
+  return trials_in_family(own, member, box);
+}
+
+}  // namespace
+
 campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesystem::path& file) {
   campaign::Dataset own = campaign::read_dataset(file);
-  const std::string* text = campaign::input_text(own.provenance, "vehicle");
-  if (text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle"))) return own;
-  if (!is_of_family(model)) return own;
+  if (drove_family(own, file) || !is_of_family(model)) return own;
   require_family(model);
   const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
   if (!driven)
     throw InputError(file.string() + ": does not hold the files of its vehicle and soil, so that the model " +
                      model.file.string() + " of a family cannot be asked; give trials that hold them");
-  FamilyMember member = family_member(*model.family, model.gravity, driven->vehicle, driven->gravity);
-  if (!driven->compliant_tyres) member.numbers.wheel.deflection = 0;
-  return trials_in_family(own, member, sampled_box(model));
+  return in_family(own, *driven, *model.family, model.gravity, sampled_box(model));
+}
+
+std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& family_file,
+                                                   const std::optional<Config>& design,
+                                                   const std::vector<std::filesystem::path>& files) {
+  std::vector<outcome::VehicleTrials> result;
+  if (files.empty()) return result;
+  const campaign::Dataset trials = campaign::read_dataset(family_file);
+  if (!drove_family(trials, family_file))
+    throw InputError(family_file.string() +
+                     ": its trials drove one vehicle, so --vehicles has no family to calibrate; leave it out");
+  const Config text =
+      Config::parse(*campaign::input_text(trials.provenance, "vehicle"), family_file.string() + ": vehicle");
+  const double gravity = campaign::settings_of(trials.provenance, family_file.string()).gravity;
+  outcome::TrainingData data = outcome::make_training_data(trials.records, design);
+  outcome::widen_to_own_ranges(data, trials.provenance, family_file.string());
+  std::vector<Range> box;
+  for (std::size_t v = 0; v < data.lower.size(); ++v) box.push_back({data.lower[v], data.upper[v]});
+  for (const std::filesystem::path& file : files) {
+    const campaign::Dataset own = campaign::read_dataset(file);
+    const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
+    if (!driven || drove_family(own, file))
+      throw InputError(file.string() + ": --vehicles wants trials of one vehicle, with the files of vehicle and soil");
+    result.push_back({file_hash(file), driven->name,
+                      outcome::make_training_data(
+                          in_family(own, *driven, vehicle::read_family(text), gravity, box).records, std::nullopt)
+                          .table});
+  }
+  return result;
 }
 
 std::vector<std::string> numbers_outside(const FamilyMember& m, const std::vector<Range>& sampled) {

@@ -12,6 +12,7 @@
 #include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/prior/forecast.h"
+#include "pipeline/outcome/prior/vehicle_odds.h"
 #include "vehicle/family/vehicle_numbers.h"
 
 namespace gonogo::map {
@@ -59,6 +60,13 @@ campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMem
 /// the model is a family's; others are as the file has them. Throws InputError for a vehicle that is no member, and for
 /// trials that do not hold the file of their vehicle.
 campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesystem::path& dataset);
+
+/// Trials of vehicles, each driven by itself, as points of the family that the trials of `family` drove. `design`: as
+/// make_training_data() takes it. Throws InputError where those drove one vehicle, these several, or none of the
+/// family.
+std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& family,
+                                                   const std::optional<Config>& design,
+                                                   const std::vector<std::filesystem::path>& files);
 
 /// What the model of a family says of a vehicle before any trial of its own. `family`: as find_model() takes it, or
 /// empty for the one that ships. Throws InputError where there is none, it is of no family, or the vehicle is no member

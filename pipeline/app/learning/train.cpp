@@ -15,9 +15,15 @@ struct TrainOptions {
   std::optional<std::uint64_t> seed;            // nothing: the study's, or 1
   int members = 0;                              // models on reweighted trials
   std::size_t hold_out = 0;                     // trials
+  std::vector<std::filesystem::path> vehicles;  // trials of vehicles of a family
   bool from_family = false;
   std::string family;  // model; empty: the one that ships
 };
+
+outcome::TrainRequest with_vehicles(outcome::TrainRequest request, const TrainOptions& options) {
+  request.vehicles = map::vehicle_trials(request.dataset, request.design, options.vehicles);
+  return request;
+}
 
 outcome::TrainRequest to_request(const TrainOptions& options) {
   const std::vector<std::filesystem::path> datasets = outcome::finest_first(options.datasets);
@@ -31,12 +37,12 @@ outcome::TrainRequest to_request(const TrainOptions& options) {
                                 .others = {datasets.begin() + 1, datasets.end()},
                                 .forecast = forecast,
                                 .members_follow = options.members > 0};
-  if (options.study.empty()) return request;
+  if (options.study.empty()) return with_vehicles(request, options);
   const campaign::Study study = campaign::read_study(options.study);
   if (!options.seed) request.seed = study.seed;
   request.learning = study.config.object_if("learning");
   request.design = study.config.object_if("design");
-  return request;
+  return with_vehicles(request, options);
 }
 
 void train(const Globals& globals, const TrainOptions& options) {
@@ -73,6 +79,10 @@ void add_train_command(CLI::App& app, const Globals& globals) {
       ->add_option("--members", options->members,
                    "Also train so many models on reweighted trials, for the spread of the model in maps")
       ->check(CLI::Range(0, 100));
+  add_named(
+      *command, "--vehicles", options->vehicles, kFile,
+      "Trials of vehicles of the family that --dataset drove, each driven by itself: they shift the family's odds "
+      "of passing to theirs");
   CLI::Option* from_family =
       command->add_flag("--from-family", options->from_family,
                         "Start from the forecast of the model of the vehicle's family, which own trials correct");
@@ -82,6 +92,7 @@ void add_train_command(CLI::App& app, const Globals& globals) {
       *command,
       {"gonogo train --dataset out/demo/dataset.h5 --study configs/studies/quarter_wheel_90mm.json --out out/coarse.h5",
        "gonogo train --dataset out/fine/dataset.h5 out/coarse/dataset.h5 --out out/fine/model.h5",
+       "gonogo train --dataset out/family/dataset.h5 --vehicles data/viper_32mm/dataset.h5 --out out/family/model.h5",
        "gonogo train --dataset out/buggy/dataset.h5 --from-family --out out/buggy/model.h5"});
   calls<train>(*command, globals, options);
 }

@@ -71,6 +71,14 @@ Json failures_json(const FailureRate& failures) {
   return json;
 }
 
+Json odds_json(const VehicleOdds& odds) {
+  Json vehicles = Json::array();
+  for (const VehicleOdds::Vehicle& vehicle : odds.vehicles)
+    vehicles.push_back(
+        Json::Object{{"data_hash", vehicle.hash}, {"vehicle", vehicle.name}, {"trials", vehicle.trials}});
+  return Json::Object{{"shift_nat", odds.shift}, {"vehicles", std::move(vehicles)}};
+}
+
 }  // namespace
 
 Json to_json(const TrainingReport& report) {
@@ -81,6 +89,7 @@ Json to_json(const TrainingReport& report) {
   if (report.gravity) json[campaign::kGravityKey] = *report.gravity;
   add_sampler(report.sampler, json);
   json["calibration_power"] = report.calibration_power;
+  if (!report.odds.vehicles.empty()) json["vehicle_odds"] = odds_json(report.odds);
   json["seed"] = report.seed;
   json["settings"] = to_json(report.settings);
   json["teacher_weight"] = report.teacher_weight;
@@ -106,6 +115,12 @@ TrainingReport read_report(const Json& provenance) {
     for (const Json& other : others->items())
       report.others.push_back(
           {other.at("data_hash").string(), other.at("trials").unsigned_integer(), other.at("fidelity").string()});
+  if (const Json* odds = provenance.find("vehicle_odds")) {
+    report.odds.shift = odds->at("shift_nat").number();
+    for (const Json& vehicle : odds->at("vehicles").items())
+      report.odds.vehicles.push_back(
+          {vehicle.at("data_hash").string(), vehicle.at("vehicle").string(), vehicle.at("trials").unsigned_integer()});
+  }
   report.epochs = provenance.at("epochs").unsigned_integer();
   report.counts.trials = counts.at("trials").unsigned_integer();
   report.counts.trained_on = counts.at("trained_on").unsigned_integer();
@@ -144,6 +159,12 @@ std::string report_text(const TrainingReport& report) {
         annealer->choice.thermometer.c_str(), annealer->last_scale);
   if (report.calibration_power != 1)
     text += line("probabilities are calibrated: raised to %.3f\n", report.calibration_power);
+  if (!report.odds.vehicles.empty()) {
+    text += line("log odds of passing shifted by %+.2f, though not in these scores, by trials of", report.odds.shift);
+    for (const VehicleOdds::Vehicle& vehicle : report.odds.vehicles)
+      text += line(" %s (%zu)", vehicle.name.c_str(), vehicle.trials);
+    text += "\n";
+  }
   text += scores_text(report.cross_validation);
   if (const auto& joint = report.joint)
     text += line(

@@ -32,11 +32,22 @@ struct FailureRate {
   std::optional<Modelled> modelled;
 };
 
+/// What trials of vehicles say of the model of their family (vehicle_odds.h).
+struct VehicleOdds {
+  struct Vehicle {
+    std::string hash, name;  // of the dataset's file; of the vehicle
+    std::size_t trials = 0;
+  };
+  double shift = 0;  // of the log odds of passing [nat]
+  std::vector<Vehicle> vehicles;
+};
+
 struct TrainingReport {
   std::string data_hash, contract_hash, program_version;
   std::optional<double> gravity;  // of the trials [m/s^2]; none: the Earth's
   SamplerReport sampler;
   double calibration_power = 1;
+  VehicleOdds odds;
   std::uint64_t seed = 0;
   LearningSettings settings;
   double teacher_weight = 0;

@@ -409,6 +409,13 @@ learning::CrossValidation train_folds(const Inputs& in, const learning::VisibleL
   return validation;
 }
 
+VehicleOdds odds_report(const std::vector<VehicleTrials>& vehicles, double shift) {
+  VehicleOdds report{.shift = shift, .vehicles = {}};
+  for (const VehicleTrials& trials : vehicles)
+    report.vehicles.push_back({trials.hash, trials.vehicle, trials.table.row_count()});
+  return report;
+}
+
 /// Fills the parts of the model's file that describe the trials and the prior.
 void describe_trials(const Inputs& in, learning::Model& model) {
   model.sampled_lower = in.data.lower;
@@ -438,6 +445,7 @@ std::string work_key(const TrainRequest& request, const LearningSettings& settin
   key["settings"] = to_json(settings);
   for (const std::filesystem::path& other : request.others) key["others"].push_back(file_hash(other));
   if (request.forecast) key["forecast"] = request.forecast->hash;
+  for (const VehicleTrials& trials : request.vehicles) key["vehicles"].push_back(trials.hash);
   if (request.design) key["design"] = request.design->json();
   key["hold_out"] = request.hold_out;
   for (const std::uint64_t group : request.groups) key["groups"].push_back(Json(group));
@@ -475,9 +483,11 @@ TrainingReport train_model(const TrainRequest& request) {
   if (!beside) train_last();
   const Scores scores = cross_validation_scores(in.data, validation, fold, folds, training.seed, teachers,
                                                 beside ? train_last : std::function<void()>());
+  describe_trials(in, model);
+  const double shift = fitted_shift(Predictor(model), request.vehicles);
+  shift_odds(model.layout, shift, model.calibration_power, model.weights);
   balance(model.layout, table, training, lesson.get(), model.weights);
   model.log = validation.log;
-  describe_trials(in, model);
 
   TrainingReport report{.data_hash = in.data_hash,
                         .contract_hash = content_hash(campaign::contract_text()),
@@ -485,6 +495,7 @@ TrainingReport train_model(const TrainRequest& request) {
                         .gravity = in.gravity != kGravity ? std::optional(in.gravity) : std::nullopt,
                         .sampler = source.report(),
                         .calibration_power = model.calibration_power,
+                        .odds = odds_report(request.vehicles, shift),
                         .seed = request.seed,
                         .settings = in.settings,
                         .teacher_weight = in.teacher.weight,
@@ -547,6 +558,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
         teach_all(table, in.others,
                   taught_points(in.data.lower, in.data.upper, in.settings.taught_points, in.training.seed), in.teacher);
     model.weights = train_rbm(base.layout, table, in.training, *sampler, {}, nullptr, lesson.get()).weights;
+    shift_odds(base.layout, read_report(base.provenance).odds.shift, base.calibration_power, model.weights);
     balance(base.layout, table, in.training, lesson.get(), model.weights);
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);

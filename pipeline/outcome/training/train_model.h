@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/json/config.h"
+#include "pipeline/outcome/prior/vehicle_odds.h"
 #include "pipeline/outcome/settings.h"
 #include "pipeline/outcome/training/report.h"
 #include "pipeline/outcome/training/teacher.h"
@@ -24,6 +25,7 @@ struct TrainRequest {
   std::vector<std::uint64_t> groups = {};  // of replicates: of those that are not held out these train; none: all
   std::vector<std::filesystem::path> others = {};  // datasets that the teacher learns, too (teacher.h)
   std::shared_ptr<const Forecast> forecast = {};   // of the vehicle's family (teacher.h); nothing: none
+  std::vector<VehicleTrials> vehicles = {};        // of a family, whose odds they calibrate (vehicle_odds.h)
   bool members_follow = false;  // train_members() comes next: finished folds are kept for its interruption
 };
 

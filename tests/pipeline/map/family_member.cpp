@@ -15,6 +15,7 @@
 #include "pipeline/outcome/answer/predictor.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/train_model.h"
+#include "pipeline/outcome/training_data.h"
 #include "terrain/raster/layer/slope.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/made_shapes.h"
@@ -329,6 +330,54 @@ TEST_CASE("a family's model is scored on trials of one vehicle at the vehicle's 
   const outcome::Evaluation scored = outcome::evaluate_model(*family.predictor, asked, "fresh");
   CHECK(scored.trials == 400);
   CHECK(scored.scores.model().brier.value == Approx(sum / 400));
+}
+
+TEST_CASE(
+    "trials of vehicles driven by themselves shift a family's odds of passing to theirs, each vehicle counting alike") {
+  const fs::path data = fs::path(GONOGO_SOURCE_DIR) / "data";
+  const TrainedModel family = read_trained_model(find_model("wheeled_family_32mm"));
+  const fs::path fresh = data / "hmmwv_32mm_fresh/dataset.h5", viper = data / "viper_32mm/dataset.h5";
+  const std::vector<outcome::VehicleTrials> vehicles = vehicle_trials(family.dataset_file, {}, {fresh, viper});
+  REQUIRE(vehicles.size() == 2);
+  CHECK(vehicles[1].vehicle == "viper");
+  CHECK(vehicles[1].hash == file_hash(viper));
+  const Dataset asked = read_trials_for(family, viper);
+  REQUIRE(vehicles[1].table.row_count() == asked.records.size());
+  for (std::size_t n = 0; n < asked.records.size(); ++n)
+    REQUIRE(std::equal(vehicles[1].table.row(n).begin(), vehicles[1].table.row(n).end(),
+                       asked.records[n].point.variables.begin()));
+
+  // What a shift does to the odds, and that the fitted one undoes it.
+  const double found = outcome::fitted_shift(*family.predictor, vehicles), power = 1.25;
+  learning::Model other = family.predictor->model();
+  other.calibration_power = power;
+  const outcome::Predictor before(other);
+  outcome::shift_odds(other.layout, 0.7, power, other.weights);
+  const outcome::Predictor after(other);
+  const auto odds = [](double p) { return std::log(p / (1 - p)); };
+  for (std::size_t n = 0; n < 40; ++n) {
+    const double p = before.p_go(vehicles[0].table.row(n));
+    if (p > 0.01 && p < 0.99) CHECK(odds(after.p_go(vehicles[0].table.row(n))) - odds(p) == Approx(0.7).margin(1e-6));
+  }
+  CHECK(outcome::fitted_shift(after, vehicles) == Approx(outcome::fitted_shift(before, vehicles) - 0.7).margin(1e-3));
+  CHECK(outcome::fitted_shift(after, {}) == 0);
+
+  // Where each vehicle counts alike: with the fitted shift as many pass as forecast, as the mean over vehicles.
+  learning::Model fitted = family.predictor->model();
+  outcome::shift_odds(fitted.layout, found, fitted.calibration_power, fitted.weights);
+  const outcome::Predictor balanced(fitted);
+  double excess = 0;
+  for (const outcome::VehicleTrials& trials : vehicles) {
+    const std::vector<int> passed = outcome::passable_labels(trials.table);
+    for (std::size_t n = 0; n < passed.size(); ++n)
+      excess += (balanced.p_go(trials.table.row(n)) - passed[n]) / double(passed.size());
+  }
+  CHECK(std::abs(excess) < 1e-3);
+
+  CHECK(vehicle_trials(fresh, {}, {}).empty());
+  CHECK(contains(input_error([&] { vehicle_trials(fresh, {}, {viper}); }), "--vehicles has no family to calibrate"));
+  CHECK(contains(input_error([&] { vehicle_trials(family.dataset_file, {}, {family.dataset_file}); }),
+                 "--vehicles wants trials of one vehicle"));
 }
 
 TEST_CASE("a vehicle outside its family is unknown by number and amount, with what its own model costs") {
