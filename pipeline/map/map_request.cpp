@@ -259,9 +259,17 @@ void check_moisture(const std::string& moisture) {
     throw InputError("map: --moisture \"" + moisture + "\" is no scenario; use dry, moist or wet");
 }
 
-/// Names the trials that the model learned from but does not answer for.
+/// Names the trials that the model learned from but does not answer for, and the vehicles that shifted its odds.
 void remark_helpers(OutcomeModel& model, const TrainedModel& trained) {
-  if (const Json* others = trained.predictor->model().provenance.find("other_trials"))
+  const Json& provenance = trained.predictor->model().provenance;
+  if (const Json* odds = provenance.find("vehicle_odds")) {
+    std::vector<std::string> names;
+    for (const Json& vehicle : odds->at("vehicles").items()) names.push_back(vehicle.at("vehicle").string());
+    model.remarks.push_back(
+        line("log odds of passing are shifted by %+.2f, as trials of ", odds->at("shift_nat").number()) +
+        join_words(names) + " ask for");
+  }
+  if (const Json* others = provenance.find("other_trials"))
     for (const Json& other : others->items())
       model.remarks.push_back(std::to_string(other.at("trials").integer()) +
                               " other trials helped the model: " + other.at("fidelity").string());

@@ -1,6 +1,8 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/files/file.h"
+#include "base/format.h"
 #include "learning/model/model.h"
 #include "pipeline/app/cli/work.h"
 #include "pipeline/map/family_member.h"
@@ -15,6 +17,19 @@ struct EvaluateOptions {
   std::filesystem::path model, dataset, out, rows;  // dataset, out, rows: empty for none
 };
 
+/// Trials that shifted a family's odds of passing score better than those of a vehicle that it does not know.
+std::string shift_note(const map::TrainedModel& model, const std::filesystem::path& dataset) {
+  const Json* odds = model.predictor->model().provenance.find("vehicle_odds");
+  if (!odds) return "";
+  for (const Json& vehicle : odds->at("vehicles").items())
+    if (vehicle.at("data_hash").string() == file_hash(dataset))
+      return line(
+          "these trials shifted the model's odds of passing, by %+.2f with those of other vehicles: they are not "
+          "unseen\n",
+          odds->at("shift_nat").number());
+  return "";
+}
+
 void evaluate(const Globals& globals, const EvaluateOptions& options) {
   const bool held_out = !options.dataset.empty();
   if (!held_out && !options.rows.empty()) throw InputError("--rows are compared with held-out trials: give --dataset");
@@ -28,7 +43,7 @@ void evaluate(const Globals& globals, const EvaluateOptions& options) {
     outcome::Evaluation evaluation = outcome::evaluate_model(
         *trained.predictor, map::read_trials_for(trained, options.dataset), options.dataset.string(), options.rows);
     report = outcome::to_json(evaluation);
-    text = outcome::evaluation_text(evaluation);
+    text = outcome::evaluation_text(evaluation) + shift_note(trained, options.dataset);
     scores = std::move(evaluation.scores);
     missing = std::move(evaluation.missing);
   } else {
