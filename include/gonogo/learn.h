@@ -15,6 +15,9 @@ struct TrainRequest {
   // Model of the vehicle's family, a file or shipped name: own trials correct its forecast. Empty text: the one that
   // ships; none: own trials alone.
   std::optional<std::string> family{};
+  // Trials of vehicles of the family that `dataset` drove, each driven by itself: they shift its odds of passing to
+  // theirs.
+  std::vector<std::filesystem::path> vehicles{};
   int members = 0;  // bootstrap members, written beside the model; their spread is what the trials leave open
 };
 

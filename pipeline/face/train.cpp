@@ -32,11 +32,13 @@ outcome::TrainRequest request_of(const TrainRequest& request) {
   result.hold_out = request.hold_out;
   result.members_follow = request.members > 0;
   if (request.family) result.forecast = map::family_forecast(*request.family, request.dataset);
-  if (request.study.empty()) return result;
-  const campaign::Study study = campaign::read_study(shipped_file("studies", "study", request.study));
-  if (!request.seed) result.seed = study.seed;
-  result.learning = study.config.object_if("learning");
-  result.design = study.config.object_if("design");
+  if (!request.study.empty()) {
+    const campaign::Study study = campaign::read_study(shipped_file("studies", "study", request.study));
+    if (!request.seed) result.seed = study.seed;
+    result.learning = study.config.object_if("learning");
+    result.design = study.config.object_if("design");
+  }
+  result.vehicles = map::vehicle_trials(result.dataset, result.design, request.vehicles);
   return result;
 }
 

@@ -67,21 +67,13 @@ double largest_payload(const std::vector<Range>& sampled, const FamilyMember& m)
   return share;
 }
 
-/// The value, or the end of the range where what lies beyond it never hurts: more force, power or clearance, a lower
-/// centre of mass.
-double counted(const vehicle::PlacedNumber& n) {
-  if (n.name == "force_number" || n.name == "power_number" || n.name == "clearance_ratio")
-    return std::min(n.value, n.range.maximum);
-  return n.name == "centre_height_ratio" ? std::max(n.value, n.range.minimum) : n.value;
-}
-
 /// The numbers that are variables of the contract, with what was sampled; trials command the speed.
 std::vector<vehicle::PlacedNumber> numbers_of(const FamilyMember& m, const std::vector<Range>& sampled) {
   std::vector<vehicle::PlacedNumber> list = vehicle::placed(m.family, m.numbers);
   std::erase_if(list, [](const vehicle::PlacedNumber& n) { return n.name == "top_speed_number"; });
   for (vehicle::PlacedNumber& n : list) {
     n.range = sampled[index(n.name.c_str())];
-    n.value = counted(n);
+    n.value = vehicle::counted(n);
   }
   return list;
 }

@@ -16,13 +16,22 @@ namespace nb = nanobind;
 namespace gonogo::python {
 namespace {
 
+std::vector<std::filesystem::path> paths(const std::vector<std::string>& files) { return {files.begin(), files.end()}; }
+
 /// `study`: JSON file with sections learning and design, or "". `learning`: JSON text of the section, wins over it.
-/// `family`: model of the vehicle's family, "" for the one that ships.
-Members train(const std::string& dataset, const std::string& out, const std::string& study, const std::string& learning,
-              std::optional<std::uint64_t> seed, std::size_t hold_out, const std::optional<std::string>& family) {
+/// `family`: model of the vehicle's family, "" for the one that ships. `vehicles`: datasets that shift a family's odds.
+Members train(const std::vector<std::string>& datasets, const std::string& out, const std::string& study,
+              const std::string& learning, std::optional<std::uint64_t> seed, std::size_t hold_out,
+              const std::optional<std::string>& family, const std::vector<std::string>& vehicles) {
   return members_of(long_call([&] {
-    outcome::TrainRequest request{
-        .dataset = dataset, .model = out, .seed = seed.value_or(1), .learning = {}, .design = {}, .hold_out = hold_out};
+    const std::vector<std::filesystem::path> files = outcome::finest_first(paths(datasets));
+    outcome::TrainRequest request{.dataset = files.front(),
+                                  .model = out,
+                                  .seed = seed.value_or(1),
+                                  .learning = {},
+                                  .design = {},
+                                  .hold_out = hold_out,
+                                  .others = {files.begin() + 1, files.end()}};
     if (!study.empty()) {
       const campaign::Study read = campaign::read_study(study);
       if (!seed) request.seed = read.seed;
@@ -30,7 +39,8 @@ Members train(const std::string& dataset, const std::string& out, const std::str
       request.design = read.config.object_if("design");
     }
     if (!learning.empty()) request.learning = Config::parse(learning, "learning");
-    if (family) request.forecast = map::family_forecast(*family, dataset);
+    if (family) request.forecast = map::family_forecast(*family, request.dataset);
+    request.vehicles = map::vehicle_trials(request.dataset, request.design, paths(vehicles));
     return outcome::to_json(outcome::train_model(request));
   }));
 }
@@ -108,8 +118,8 @@ NB_MODULE(_train, m) {
   using namespace nb::literals;
   m.doc() = "Training and evaluation. Use the package gonogo; names here may change.";
   python::raise_errors_of_core();
-  m.def("train", &python::train, "dataset"_a, "out"_a, "study"_a, "learning"_a, "seed"_a.none(), "hold_out"_a,
-        "family"_a.none(), "Trains and writes a model. Returns the report.");
+  m.def("train", &python::train, "datasets"_a, "out"_a, "study"_a, "learning"_a, "seed"_a.none(), "hold_out"_a,
+        "family"_a.none(), "vehicles"_a, "Trains and writes a model. Returns the report.");
   m.def("fit", &python::fit, "rows"_a, "outcome"_a, "weight"_a, "classes"_a, "bins"_a, "code"_a, "hidden"_a, "epochs"_a,
         "learning_rate"_a, "weight_decay"_a, "generative"_a, "seed"_a,
         "Trains a machine over any variables. Returns JSON of its layout, weights, visible and hidden biases.");

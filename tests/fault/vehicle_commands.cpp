@@ -112,6 +112,15 @@ TEST_CASE("vehicle new writes a file that the other commands take, and keeps fil
   CHECK(shown.at("wheels").items().size() == 4);
   CHECK(answer({"vci", file}).at("vci1_psi").number() > 5);
   CHECK(answer({"numbers", file}).at("inside").boolean());
+  const Json strong = answer({"numbers", "mgru3_rover"});  // more force than sampled, and a lower centre of mass
+  CHECK(strong.at("inside").boolean());
+  for (const Json& number : strong.at("numbers").items()) {
+    INFO(number.at("name").string());
+    const bool ends =
+        number.at("name").string() == "force_number" || number.at("name").string() == "centre_height_ratio";
+    CHECK((number.at("counts_as").number() != number.at("value").number()) == ends);
+  }
+  CHECK(contains(run_gonogo({"vehicle", "numbers", "mgru3_rover"}).out, "54 % above, counts as 4"));
   check_refusal(run_gonogo(new_buggy(file)), 2, {"buggy.json", "exists already", "--out"});
 
   const std::string study = folder / "study.json";

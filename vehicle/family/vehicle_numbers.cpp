@@ -136,6 +136,13 @@ std::vector<PlacedNumber> placed(const Family& f, const VehicleNumbers& n) {
   return list;
 }
 
+double counted(const PlacedNumber& n) {
+  if (n.name == "force_number" || n.name == "power_number" || n.name == "clearance_ratio" ||
+      n.name == "top_speed_number")
+    return std::min(n.value, n.range.maximum);
+  return n.name == "centre_height_ratio" ? std::max(n.value, n.range.minimum) : n.value;
+}
+
 double excess(const PlacedNumber& n) {
   if (n.value < n.range.minimum) return n.range.minimum > 0 ? 1 - n.value / n.range.minimum : n.range.minimum - n.value;
   if (n.value > n.range.maximum) return n.value / n.range.maximum - 1;

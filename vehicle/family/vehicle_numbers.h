@@ -44,6 +44,10 @@ struct PlacedNumber {
 /// All numbers of a vehicle in the family.
 std::vector<PlacedNumber> placed(const Family& family, const VehicleNumbers& numbers);
 
+/// The value, or the end of the range where what lies beyond it never hurts: more force, power, clearance or top speed,
+/// a lower centre of mass. A family answers for such a vehicle as for one at the end.
+double counted(const PlacedNumber& n);
+
 /// How far outside its range a number is, as a share of the nearest end; 0 inside.
 double excess(const PlacedNumber& n);
 /// "12 % above", or "inside"

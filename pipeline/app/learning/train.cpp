@@ -20,11 +20,6 @@ struct TrainOptions {
   std::string family;  // model; empty: the one that ships
 };
 
-outcome::TrainRequest with_vehicles(outcome::TrainRequest request, const TrainOptions& options) {
-  request.vehicles = map::vehicle_trials(request.dataset, request.design, options.vehicles);
-  return request;
-}
-
 outcome::TrainRequest to_request(const TrainOptions& options) {
   const std::vector<std::filesystem::path> datasets = outcome::finest_first(options.datasets);
   const auto forecast = options.from_family ? map::family_forecast(options.family, datasets.front()) : nullptr;
@@ -37,12 +32,14 @@ outcome::TrainRequest to_request(const TrainOptions& options) {
                                 .others = {datasets.begin() + 1, datasets.end()},
                                 .forecast = forecast,
                                 .members_follow = options.members > 0};
-  if (options.study.empty()) return with_vehicles(request, options);
-  const campaign::Study study = campaign::read_study(options.study);
-  if (!options.seed) request.seed = study.seed;
-  request.learning = study.config.object_if("learning");
-  request.design = study.config.object_if("design");
-  return with_vehicles(request, options);
+  if (!options.study.empty()) {
+    const campaign::Study study = campaign::read_study(options.study);
+    if (!options.seed) request.seed = study.seed;
+    request.learning = study.config.object_if("learning");
+    request.design = study.config.object_if("design");
+  }
+  request.vehicles = map::vehicle_trials(request.dataset, request.design, options.vehicles);
+  return request;
 }
 
 void train(const Globals& globals, const TrainOptions& options) {

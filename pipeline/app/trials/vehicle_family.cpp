@@ -30,17 +30,21 @@ void show_numbers(const Globals& globals, const NumbersOptions& o) {
   const vehicle::VehicleNumbers numbers = vehicle::vehicle_numbers(v, o.gravity);
   Json list = Json::array();
   std::string text = v.name + line(", gravity %.3g m/s2; lengths over the wheel's diameter\n\n", o.gravity) +
-                     "number                    value  family's range     place     \n";
+                     "number                    value  family's range     place\n";
   std::size_t outside = 0;
   for (const vehicle::PlacedNumber& n : vehicle::placed(family, numbers)) {
-    outside += vehicle::excess(n) > 0;
-    text += line("%-20s %10.3g  %7.3g to %-7.3g  %-11s %s\n", n.name.c_str(), n.value, n.range.minimum, n.range.maximum,
-                 vehicle::place_text(n).c_str(), n.about.c_str());
+    vehicle::PlacedNumber asked = n;
+    asked.value = vehicle::counted(n);
+    outside += vehicle::excess(asked) > 0;
+    const std::string ends = asked.value != n.value ? line(", counts as %.3g", asked.value) : "";
+    text += line("%-20s %10.3g  %7.3g to %-7.3g  %-25s %s\n", n.name.c_str(), n.value, n.range.minimum, n.range.maximum,
+                 (vehicle::place_text(n) + ends).c_str(), n.about.c_str());
     list.push_back(Json::Object{{"name", n.name},
                                 {"value", n.value},
                                 {"range", Json::Array{n.range.minimum, n.range.maximum}},
-                                {"inside", vehicle::excess(n) == 0},
-                                {"outside_share", vehicle::excess(n)}});
+                                {"counts_as", asked.value},
+                                {"inside", vehicle::excess(asked) == 0},
+                                {"outside_share", vehicle::excess(asked)}});
   }
   text += outside == 0 ? "\nthe vehicle lies inside the family\n"
                        : "\nthe vehicle lies outside the family in " + std::to_string(outside) + " of its numbers\n";

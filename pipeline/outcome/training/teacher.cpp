@@ -116,7 +116,7 @@ TrialSource source_of(const campaign::Provenance& provenance, const std::string&
                      .vehicle = file.text("vehicle"),
                      .gravity = settings.gravity,
                      .fidelity = {.is_whole = file.text("kind") != "quarter",
-                                  .has_compliant_tyres = settings.compliant_tyres,
+                                  .has_compliant_tyres = is_family || settings.compliant_tyres,
                                   .grains_per_tyre = width / soil.at("grain_diameter_m").number(),
                                   .wheel_rolling = settings.wheel_rolling,
                                   .has_solved_contacts = solves_contacts(provenance, soil, where)}};

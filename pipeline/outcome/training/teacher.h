@@ -38,9 +38,10 @@ namespace gonogo::outcome {
 
 /// What two trials of the same variables may differ in.
 struct Fidelity {
-  bool is_whole = false, has_compliant_tyres = false;
-  double grains_per_tyre = 0;  // tyre width over grain diameter [-]
-  double wheel_rolling = 0;    // rolling friction of grains on wheels over that between grains [-]
+  bool is_whole = false;
+  bool has_compliant_tyres = false;  // true of a family, whose deflections are variables
+  double grains_per_tyre = 0;        // tyre width over grain diameter [-]
+  double wheel_rolling = 0;          // rolling friction of grains on wheels over that between grains [-]
   /// The numerics show the grains' own strength in a slow shear test (docs/log/creep.md): contacts give, or the solver
   /// stops at a tolerance or takes a hundred updates a step.
   bool has_solved_contacts = false;
