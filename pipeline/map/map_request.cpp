@@ -265,9 +265,8 @@ void remark_helpers(OutcomeModel& model, const TrainedModel& trained) {
   if (const Json* odds = provenance.find("vehicle_odds")) {
     std::vector<std::string> names;
     for (const Json& vehicle : odds->at("vehicles").items()) names.push_back(vehicle.at("vehicle").string());
-    model.remarks.push_back(
-        line("log odds of passing are shifted by %+.2f, as trials of ", odds->at("shift_nat").number()) +
-        join_words(names) + " ask for");
+    model.remarks.push_back("P(go) is shifted as trials of " + join_words(names) +
+                            " ask of the family: " + line("%+.2f in log odds", odds->at("shift_nat").number()));
   }
   if (const Json* others = provenance.find("other_trials"))
     for (const Json& other : others->items())
