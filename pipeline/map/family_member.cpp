@@ -206,12 +206,19 @@ bool drove_family(const campaign::Dataset& trials, const std::filesystem::path& 
   return text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle"));
 }
 
+/// The vehicle as trials drive it: on rigid wheels unless tyres give way.
+FamilyMember driven_member(const vehicle::Family& family, double family_gravity, const vehicle::Vehicle& vehicle,
+                           bool compliant_tyres, double gravity) {
+  FamilyMember member = family_member(family, family_gravity, vehicle, gravity);
+  if (!compliant_tyres) member.numbers.wheel.deflection = 0;
+  return member;
+}
+
 /// `box`: sampled by the family's trials.
 campaign::Dataset in_family(const campaign::Dataset& own, const TrialVehicle& driven, const vehicle::Family& family,
                             double family_gravity, const std::vector<Range>& box) {
-  FamilyMember member = family_member(family, family_gravity, driven.vehicle, driven.gravity);
-  if (!driven.compliant_tyres) member.numbers.wheel.deflection = 0;
-  return trials_in_family(own, member, box);
+  return trials_in_family(
+      own, driven_member(family, family_gravity, driven.vehicle, driven.compliant_tyres, driven.gravity), box);
 }
 
 }  // namespace
@@ -236,8 +243,8 @@ std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& 
   if (!drove_family(trials, family_file))
     throw InputError(family_file.string() +
                      ": its trials drove one vehicle, so --vehicles has no family to calibrate; leave it out");
-  const Config text =
-      Config::parse(*campaign::input_text(trials.provenance, "vehicle"), family_file.string() + ": vehicle");
+  const vehicle::Family driven_family = vehicle::read_family(
+      Config::parse(*campaign::input_text(trials.provenance, "vehicle"), family_file.string() + ": vehicle"));
   const double gravity = campaign::settings_of(trials.provenance, family_file.string()).gravity;
   outcome::TrainingData data = outcome::make_training_data(trials.records, design);
   outcome::widen_to_own_ranges(data, trials.provenance, family_file.string());
@@ -248,10 +255,8 @@ std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& 
     const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
     if (!driven || drove_family(own, file))
       throw InputError(file.string() + ": --vehicles wants trials of one vehicle, with the files of vehicle and soil");
-    result.push_back({file_hash(file), driven->name,
-                      outcome::make_training_data(
-                          in_family(own, *driven, vehicle::read_family(text), gravity, box).records, std::nullopt)
-                          .table});
+    const campaign::Dataset seen = in_family(own, *driven, driven_family, gravity, box);
+    result.push_back({file_hash(file), driven->name, outcome::make_training_data(seen.records, std::nullopt).table});
   }
   return result;
 }
@@ -275,8 +280,7 @@ std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& fami
     throw InputError(file->string() + ": is no model of a family of vehicles; give one that is");
   require_family(model);
   const std::vector<Range> box = sampled_box(model);
-  FamilyMember member = family_member(*model.family, model.gravity, vehicle, gravity);
-  if (!compliant_tyres) member.numbers.wheel.deflection = 0;
+  const FamilyMember member = driven_member(*model.family, model.gravity, vehicle, compliant_tyres, gravity);
   if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
     throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
                      "; leave --from-family out");

@@ -195,8 +195,8 @@ OtherTrials read_other_trials(const campaign::Provenance& own, const std::string
   std::set<std::string> hashes;
   if (fs::is_regular_file(where)) hashes.insert(file_hash(where));
   for (const fs::path& file : others) {
-    if (!hashes.insert(file_hash(file)).second)
-      throw InputError(file.string() + ": is given twice; name each dataset once");
+    const std::string hash = file_hash(file);
+    if (!hashes.insert(hash).second) throw InputError(file.string() + ": is given twice; name each dataset once");
     const campaign::Dataset dataset = campaign::read_dataset(file);
     if (are_of_wheels(dataset.records)) {
       add_wheels(result, dataset, file, source, family_diameter(own, where));
@@ -207,7 +207,7 @@ OtherTrials read_other_trials(const campaign::Provenance& own, const std::string
     require_pair(source, other);
     const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
     append(result.table, rows, other.fidelity.inputs());
-    result.datasets.push_back({file_hash(file), rows.row_count(), other.fidelity.text()});
+    result.datasets.push_back({hash, rows.row_count(), other.fidelity.text()});
   }
   return result;
 }

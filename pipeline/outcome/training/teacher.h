@@ -96,8 +96,7 @@ struct OtherTrials {
 /// Valid trials of other datasets than the own one, which `where` names. Those of the wheels of a family make
 /// `composed`. Trials of the own fidelity teach, too: those of another design, say. Throws InputError where they cannot
 /// be learned together: another vehicle or another gravity, or a file given twice. A quarter of a vehicle is named as
-/// it, with
-/// "_quarter" after.
+/// it, with "_quarter" after.
 OtherTrials read_other_trials(const campaign::Provenance& own, const std::string& where,
                               const std::vector<std::filesystem::path>& others);
 

@@ -484,7 +484,7 @@ TrainingReport train_model(const TrainRequest& request) {
   const Scores scores = cross_validation_scores(in.data, validation, fold, folds, training.seed, teachers,
                                                 beside ? train_last : std::function<void()>());
   describe_trials(in, model);
-  const double shift = fitted_shift(Predictor(model), request.vehicles);
+  const double shift = request.vehicles.empty() ? 0 : fitted_shift(Predictor(model), request.vehicles);
   shift_odds(model.layout, shift, model.calibration_power, model.weights);
   balance(model.layout, table, training, lesson.get(), model.weights);
   model.log = validation.log;
