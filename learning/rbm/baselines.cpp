@@ -74,10 +74,19 @@ class LogisticFit {
   }
 
   LogisticModel at(double ridge) const {
-    Column<double> penalty = Column<double>::Constant(x_.cols(), ridge), w = Column<double>::Zero(x_.cols());
-    penalty[x_.cols() - 1] = 1e-9;  // keeps the system solvable when only one class occurs
+    constexpr double kConstant = 1e-9;  // keeps the system solvable when only one class occurs
+    std::vector<double> all(scaling_.mean.size(), ridge);
+    all.push_back(kConstant);
+    return at(all, Column<double>::Zero(x_.rows()));
+  }
+
+  /// ridge: [variable count + 1]; given: log odds of every row, to which the model adds
+  LogisticModel at(std::span<const double> ridge, const Column<double>& given) const {
+    Column<double> penalty(x_.cols()), w = Column<double>::Zero(x_.cols());
+    for (std::size_t v = 0; v < varying_.size(); ++v) penalty[Eigen::Index(v)] = ridge[varying_[v]];
+    penalty[x_.cols() - 1] = ridge.back();
     for (int iteration = 0; iteration < 50; ++iteration) {
-      const Column<double> step = newton_step(w, penalty);
+      const Column<double> step = newton_step(w, penalty, given);
       w -= step;
       if (step.abs().maxCoeff() < 1e-10) break;
     }
@@ -90,8 +99,9 @@ class LogisticFit {
   }
 
  private:
-  Column<double> newton_step(const Column<double>& w, const Column<double>& penalty) const {
-    const Column<double> p = sigmoid((x_ * w.matrix()).array()), share = (row_weight_ * p * (1 - p)).sqrt();
+  Column<double> newton_step(const Column<double>& w, const Column<double>& penalty,
+                             const Column<double>& given) const {
+    const Column<double> p = sigmoid(given + (x_ * w.matrix()).array()), share = (row_weight_ * p * (1 - p)).sqrt();
     const Column<double> gradient = (x_.transpose() * (row_weight_ * (p - y_)).matrix()).array() + penalty * w;
     Matrix<double> curvature = penalty.matrix().asDiagonal();
     curvature.selfadjointView<Eigen::Lower>().rankUpdate((share.matrix().asDiagonal() * x_).transpose());
@@ -108,6 +118,13 @@ class LogisticFit {
 
 LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> label, double ridge) {
   return LogisticFit(table, label).at(ridge);
+}
+
+LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> label, std::span<const double> given,
+                           std::span<const double> ridge) {
+  GONOGO_ASSERT(given.size() == table.row_count() && ridge.size() == table.variable_count + 1);
+  return LogisticFit(table, label)
+      .at(ridge, Eigen::Map<const Column<double>>(given.data(), Eigen::Index(given.size())));
 }
 
 namespace {

@@ -61,6 +61,11 @@ struct LogisticModel : Standardisation {
 /// of {0, 1}.
 LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> label, double ridge = 1.0);
 
+/// What the model adds to log odds that are given, by the same method: P(1 | x) = sigmoid(given + c + w.z). given:
+/// [row_count()]; ridge: [variable count + 1] [nat], that of the constant last.
+LogisticModel fit_logistic(const TrainingTable& table, std::span<const int> label, std::span<const double> given,
+                           std::span<const double> ridge);
+
 /// Logistic regression on all variables, their squares and their products,
 ///
 ///   P(1 | x) = sigmoid(c + sum_i w_i z_i + sum_i,j<=i w_ij z_i z_j).

@@ -285,23 +285,29 @@ std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& fami
     throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
                      "; leave --from-family out");
   const Spreads values = family_values(member, box);
-  const auto answer = [=, predictor = model.predictor](const std::vector<double>& points) {
+  const auto in_family = [=](const std::vector<double>& points) {
     const std::size_t width = campaign::contract().variables.size();
-    std::vector<double> asked, p(points.size() / width);
+    std::vector<double> asked;
     for (std::size_t first = 0; first < points.size(); first += width) {
       std::vector<double> point(points.begin() + std::ptrdiff_t(first), points.begin() + std::ptrdiff_t(first + width));
       for (const auto& [name, spread] : values) point[index(name.c_str())] = spread.low;
       point = family_point(member, point);
       asked.insert(asked.end(), point.begin(), point.end());
     }
-    predictor->p_go(asked, p);
+    return asked;
+  };
+  const auto answer = [=, predictor = model.predictor](const std::vector<double>& points) {
+    std::vector<double> p(points.size() / campaign::contract().variables.size());
+    predictor->p_go(in_family(points), p);
     return p;
   };
   return std::make_shared<const outcome::Forecast>(
       outcome::Forecast{.hash = file_hash(*file),
                         .about = "forecast of the family " + member.family.name + " for " + member.vehicle.name,
                         .trials = model.dataset->records.size(),
-                        .p_go = answer});
+                        .p_go = answer,
+                        .table = outcome::make_training_data(model.dataset->records, std::nullopt).table,
+                        .in_family = in_family});
 }
 
 std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family,

@@ -212,6 +212,31 @@ TEST_CASE("logistic regression recovers known coefficients") {
   CHECK(std::abs(model.weight[1]) < 0.08);
 }
 
+TEST_CASE("logistic regression adds to log odds that are given, as far as its penalties let it") {
+  const TrainingTable table = boundary_table(80, 6);
+  std::vector<int> go;
+  for (std::size_t y : table.outcome) go.push_back(y < 2);
+  std::vector<double> given;
+  for (std::size_t n = 0; n < table.row_count(); ++n) given.push_back(0.5 - 0.1 * table.row(n)[0]);
+  std::vector<double> ridge(table.variable_count, 10.0);
+  ridge[0] = 2;
+  ridge.push_back(0.3);  // of the constant
+  const LogisticModel model = fit_logistic(table, go, given, ridge);
+  // The penalised likelihood is stationary there. It is concave, so that this is its maximum.
+  std::vector<double> slope = ridge;
+  for (std::size_t v = 0; v < slope.size(); ++v) slope[v] *= model.weight[v];
+  for (std::size_t n = 0; n < table.row_count(); ++n) {
+    const double p = 1 / (1 + std::exp(-given[n] - model.log_odds(table.row(n))));
+    for (std::size_t v = 0; v < slope.size(); ++v)
+      slope[v] +=
+          table.weight[n] * (p - go[n]) * (v < table.variable_count ? model.standardised(v, table.row(n)[v]) : 1.0);
+  }
+  for (const double s : slope) CHECK(std::abs(s) < 1e-8);
+  CHECK(std::abs(model.weight[0]) > 0.1);
+  for (double& r : ridge) r = 1e9;
+  for (const double w : fit_logistic(table, go, given, ridge).weight) CHECK(std::abs(w) < 1e-6);
+}
+
 TEST_CASE("one hundred trials with a smooth boundary give smooth, monotone, calibrated probabilities") {
   const VisibleLayout layout = boundary_layout();
   const TrainingTable table = boundary_table(100, 100), fresh = boundary_table(4000, 999);

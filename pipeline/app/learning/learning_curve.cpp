@@ -2,6 +2,7 @@
 
 #include "pipeline/app/cli/work.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/map/family_member.h"
 #include "pipeline/outcome/active/learning_curve.h"
 #include "pipeline/outcome/training/teacher.h"
 
@@ -14,7 +15,8 @@ struct LearningCurveOptions {
   std::optional<std::uint64_t> seed;                   // nothing: the study's, or 1
   std::vector<std::size_t> trials = {100, 300, 1000};  // numbers to train on
   std::size_t hold_out = 1000, subsets = 5;
-  bool active = false;
+  bool active = false, from_family = false;
+  std::string family;  // model; empty: the one that ships
 };
 
 void score_curve(const Globals& globals, const LearningCurveOptions& options) {
@@ -22,6 +24,7 @@ void score_curve(const Globals& globals, const LearningCurveOptions& options) {
   const std::vector<std::filesystem::path> datasets = outcome::finest_first(options.datasets);
   request.training.dataset = datasets.front();
   request.training.others.assign(datasets.begin() + 1, datasets.end());
+  if (options.from_family) request.training.forecast = map::family_forecast(options.family, request.training.dataset);
   request.training.seed = options.seed.value_or(1);
   request.training.hold_out = options.hold_out;
   request.trials = options.trials;
@@ -63,11 +66,19 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals) {
   command->add_flag("--active", options->active,
                     "Draw the trials of the smallest number only; to each next one add those that an active design "
                     "would take");
+  CLI::Option* from_family =
+      command->add_flag("--from-family", options->from_family,
+                        "Start from the forecast of the model of the vehicle's family; with --active the smallest "
+                        "number follows it, too");
+  add_named(*command, "--family-model", options->family, kModel, "Model of the family; default: the one that ships")
+      ->needs(from_family);
   command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1")->check(kSeed);
   add_examples(
       *command,
       {"gonogo learning-curve --dataset data/quarter_wheel_32mm/dataset.h5 \\\n"
-       "      --study configs/studies/quarter_wheel_32mm.json --trials 100,300,1000,3004 --out curve"},
+       "      --study configs/studies/quarter_wheel_32mm.json --trials 100,300,1000,3004 --out curve",
+       "gonogo learning-curve --dataset out/buggy/dataset.h5 --from-family --active --trials 32,64 --hold-out 300 "
+       "--out curve"},
       "The same command goes on after an interruption. Started several times, the processes share the models.");
   calls<score_curve>(*command, globals, options);
 }

@@ -65,16 +65,6 @@ Predictor train(const campaign::Study& study, const fs::path& folder, const fs::
   return Predictor::read(model);
 }
 
-/// A forecast knows no trial, so that no point is far from the others.
-ModelAnswers answers_of(const Forecast& forecast) {
-  return {.p_go =
-              [&](std::span<const double> points, std::span<double> p) {
-                const std::vector<double> answers = forecast.p_go({points.begin(), points.end()});
-                std::copy(answers.begin(), answers.end(), p.begin());
-              },
-          .novelty = [](std::span<const double>) { return 1.0; }};
-}
-
 std::vector<campaign::DesignPoint> first_batch(campaign::DesignSpec spec, const ActiveRequest& request) {
   const std::uint64_t count = request.seeds;
   if (request.forecast)

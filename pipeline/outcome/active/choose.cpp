@@ -32,6 +32,15 @@ std::vector<double> candidates_of(const campaign::DesignSpec& spec, std::uint64_
 
 }  // namespace
 
+ModelAnswers answers_of(const Forecast& forecast) {
+  return {.p_go =
+              [&](std::span<const double> points, std::span<double> p) {
+                const std::vector<double> answers = forecast.p_go({points.begin(), points.end()});
+                std::copy(answers.begin(), answers.end(), p.begin());
+              },
+          .novelty = [](std::span<const double>) { return 1.0; }};
+}
+
 std::vector<double> choice_densities(const ModelAnswers& model, std::span<const double> points, std::size_t width,
                                      double space_filling) {
   const std::size_t count = points.size() / width;

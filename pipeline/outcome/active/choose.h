@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/campaign/design/design.h"
+#include "pipeline/outcome/prior/forecast.h"
 
 namespace gonogo::outcome {
 
@@ -16,6 +17,9 @@ struct ModelAnswers {
   /// Distance to the nearest trial, as Predictor::novelty(): about 1 where trials are as dense as on average.
   std::function<double(std::span<const double> point)> novelty;
 };
+
+/// A forecast knows no trial, so that no point is far from the others. `forecast` must outlive the answers.
+ModelAnswers answers_of(const Forecast& forecast);
 
 struct BatchRequest {
   std::uint64_t count = 32;         // points to choose

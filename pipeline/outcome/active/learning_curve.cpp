@@ -145,10 +145,12 @@ std::optional<std::size_t> number_before(const LearningCurveRequest& request, st
 }
 
 /// Groups that train the model of a point. Those of an active curve follow from the model of the number before, which
-/// is trained already.
+/// is trained already, and the first ones from the forecast.
 std::vector<std::uint64_t> groups_of(const LearningCurveRequest& request, const Split& split, const Point& point) {
   const learning::TrainingTable& table = split.training.table;
   const std::optional<std::size_t> before = request.active ? number_before(request, point.trials) : std::nullopt;
+  if (!before && request.active && request.training.forecast)
+    return grown_groups(table, {}, point.trials, answers_of(*request.training.forecast), point.subset);
   if (!before) return drawn_groups(table, point.trials, point.subset);
   const Point smaller{*before, point.subset};
   const Predictor predictor = Predictor::read(place_of(request, smaller) / "model.h5");

@@ -17,8 +17,10 @@ struct LearningCurveRequest {
   TrainRequest training;            // its `hold_out` trials score every model; its `model` is set here
   std::vector<std::size_t> trials;  // numbers to train on, taken from those that are not held out
   std::size_t subsets = 5;          // of each number, drawn by their own number; all trials are one subset
-  bool active = false;              // the smallest number is drawn, the next ones follow its models: grown_groups()
-  std::filesystem::path folder;     // models, scores and learning_curve.json
+  /// The smallest number is drawn, evenly or from the forecast of `training`; the next ones follow its models:
+  /// grown_groups().
+  bool active = false;
+  std::filesystem::path folder;  // models, scores and learning_curve.json
 };
 
 /// Scores of one model and its baselines on the held-out trials, by the name of the forecaster.

@@ -11,7 +11,6 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/json/config.h"
-#include "base/units.h"
 #include "learning/rbm/gaussian_process.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/design/sobol.h"
@@ -244,38 +243,6 @@ std::vector<double> taught_points(const std::vector<double>& lower, const std::v
 
 namespace {
 
-/// What the slope needs of friction beyond what there is: tan(slope) less the smaller coefficient of friction, between
-/// tyre and grains or between grains [-]. NaN where one of them is unknown.
-double excess_of_slope(std::span<const double> variables) {
-  static const std::size_t slope = campaign::contract().variable_index("slope_along"),
-                           soil = campaign::contract().variable_index("friction_angle"),
-                           tyre = campaign::contract().variable_index("tyre_friction");
-  return std::tan(variables[slope] * kDegree) - std::min(variables[tyre], std::tan(variables[soil] * kDegree));
-}
-
-/// What left and right share: the size of the slope across [deg].
-double size_across(std::span<const double> variables) {
-  static const std::size_t across = campaign::contract().variable_index("slope_across");
-  return std::abs(variables[across]);
-}
-
-/// Rows with one more input, which `input` takes from the variables. points: [row x width]
-template <class Input>
-std::vector<double> with_input(const std::vector<double>& points, std::size_t width, Input input) {
-  std::vector<double> result;
-  for (std::size_t first = 0; first < points.size(); first += width) {
-    const auto row = std::span(points).subspan(first, width);
-    result.insert(result.end(), row.begin(), row.end());
-    result.push_back(input(row));
-  }
-  return result;
-}
-learning::TrainingTable with_input(learning::TrainingTable table, double (*input)(std::span<const double>)) {
-  table.variables = with_input(table.variables, table.variable_count, input);
-  ++table.variable_count;
-  return table;
-}
-
 /// Rows with more inputs at their end. points: [row x width]; added: [row x count]
 std::vector<double> with_inputs(const std::vector<double>& points, std::size_t width, const std::vector<double>& added,
                                 std::size_t count) {
@@ -319,49 +286,79 @@ std::vector<double> with_knowledge(const OtherTrials& known, std::vector<double>
   return points;
 }
 
-/// a + b r of every point.
-std::vector<double> log_odds(const learning::LogisticModel& passes, const std::vector<double>& shares) {
+/// Log odds of every row. inputs: [row x width]
+std::vector<double> log_odds(const learning::LogisticModel& model, const std::vector<double>& inputs,
+                             std::size_t width) {
   std::vector<double> result;
-  for (const double share : shares) result.push_back(passes.log_odds(std::span(&share, 1)));
+  for (std::size_t first = 0; first < inputs.size(); first += width)
+    result.push_back(model.log_odds(std::span(inputs).subspan(first, width)));
   return result;
 }
 
-/// Rows whose margin is known.
-std::vector<std::size_t> graded_rows(const learning::TrainingTable& table) {
-  std::vector<std::size_t> rows;
-  for (std::size_t n = 0; n < table.margin.size(); ++n)
-    if (!std::isnan(table.margin[n])) rows.push_back(n);
-  return rows;
+/// Share of the commanded speed that the family's trials expect of points [x variables]; empty without them.
+std::vector<double> family_shares(const OtherTrials& known, const std::vector<double>& points, std::size_t variables) {
+  if (!known.family_speed) return {};
+  return (*known.family_speed)(with_input(known.forecast->in_family(points), variables, size_across));
 }
 
+/// What the logistic models of the means see: r alone, or beside a forecast the variables and the size across, too.
+std::vector<double> with_shares(const std::vector<double>& points, std::size_t variables,
+                                const std::vector<double>& shares) {
+  return with_inputs(with_input(points, variables, size_across), variables + 1, shares, 1);
+}
+
+/// The rows with these inputs.
+learning::TrainingTable with_variables(const learning::TrainingTable& rows, std::vector<double> inputs) {
+  learning::TrainingTable result = rows;
+  result.variable_count = inputs.size() / rows.row_count();
+  result.variables = std::move(inputs);
+  return result;
+}
+
+void add(std::vector<double>& sum, const std::vector<double>& values) {
+  for (std::size_t k = 0; k < values.size(); ++k) sum[k] += values[k];
+}
+
+// Penalties beside a forecast, on standardised inputs [nat]: few trials move its log odds by some 0.3 along a variable,
+// and by some 1 with the speed to expect (docs/log/learning.md).
+constexpr double kRidgeOfVariables = 10, kRidgeOfShare = 1, kRidgeOfConstant = 0.3;
+
 }  // namespace
+
+void add_forecast(OtherTrials& known, std::shared_ptr<const Forecast> forecast) {
+  constexpr std::size_t kSearchRows = 400;  // more change the kernel little
+  known.datasets.push_back({forecast->hash, forecast->trials, forecast->about});
+  if (forecast->table.row_count() > 0 && SpeedShare::can_learn(forecast->table))
+    known.family_speed =
+        std::make_shared<const SpeedShare>(with_input(forecast->table, size_across), std::vector<double>(),
+                                           learning::GaussianProcessSettings{.search_rows = kSearchRows});
+  known.forecast = std::move(forecast);
+}
 
 Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others) : variables_(rows.variable_count) {
   if (!others.empty()) fidelity_.own = others.own;
   fidelity_.composed = others.composed;
   fidelity_.forecast = others.forecast;
-  constexpr std::size_t kFewest = 10;  // trials of known speed that a regression takes
-  constexpr double kRidge = 0.1;       // of a and b [nat]
+  fidelity_.family_speed = others.family_speed;
   learning::TrainingTable table = with_input(others.joined(rows), size_across);
   const std::vector<int> label = passable_labels(table);
-  const std::vector<double> expected_odds = mean(variables_of(table.variables, table.variable_count, variables_));
+  const std::vector<double> asked = variables_of(table.variables, table.variable_count, variables_);
+  if (fidelity_.forecast) {
+    std::vector<double> ridge(variables_ + 1, kRidgeOfVariables);
+    ridge.push_back(kRidgeOfConstant);
+    correction_ = learning::fit_logistic(with_variables(table, with_input(asked, variables_, size_across)), label,
+                                         log_odds(*fidelity_.forecast, asked), ridge);
+  }
   table.variables = with_knowledge(others, std::move(table.variables), table.variable_count, variables_);
   table.variable_count = table.variables.size() / table.row_count();
   const learning::GaussianProcessSettings settings{.variances = false};
-  plain_ = learning::fit_gaussian_process(table, label, settings, expected_odds);
-  const std::vector<std::size_t> known = graded_rows(table);
-  if (known.size() < kFewest) return;
-  const learning::TrainingTable inputs = with_input(table.subset(known), excess_of_slope);
-  learning::GaussianRegression share = learning::fit_gaussian_regression(inputs, inputs.margin);
-  // A trial's own speed would tell its outcome, so each is expected from the others.
-  learning::TrainingTable expected = table;
-  expected.variables = share(with_input(table.variables, table.variable_count, excess_of_slope));
-  expected.variable_count = 1;
-  for (std::size_t k = 0; k < known.size(); ++k) expected.variables[known[k]] = share.leave_one_out()[k];
-  const learning::LogisticModel passes = learning::fit_logistic(expected, label, kRidge);
-  learning::GaussianProcessModel rest =
-      learning::fit_gaussian_process(table, label, settings, log_odds(passes, expected.variables), plain_.search());
-  graded_.emplace(Graded{std::move(share), passes, std::move(rest)});
+  plain_ = learning::fit_gaussian_process(table, label, settings, mean(asked));
+  if (!SpeedShare::can_learn(table)) return;
+  const SpeedShare share(table, family_shares(fidelity_, asked, variables_));
+  const learning::LogisticModel passes = passes_by_share(table, label, asked, share.of_rows());
+  learning::GaussianProcessModel rest = learning::fit_gaussian_process(
+      table, label, settings, graded_mean(passes, asked, share.of_rows()), plain_.search());
+  graded_.emplace(Graded{share, passes, std::move(rest)});
 }
 
 std::vector<double> Teacher::seen(const std::vector<double>& points) const {
@@ -371,16 +368,37 @@ std::vector<double> Teacher::seen(const std::vector<double>& points) const {
 }
 
 std::vector<double> Teacher::mean(const std::vector<double>& points) const {
-  return fidelity_.forecast ? log_odds(*fidelity_.forecast, points) : std::vector<double>();
+  if (!fidelity_.forecast) return {};
+  std::vector<double> odds = log_odds(*fidelity_.forecast, points);
+  add(odds, log_odds(*correction_, with_input(points, variables_, size_across), variables_ + 1));
+  return odds;
+}
+
+learning::LogisticModel Teacher::passes_by_share(const learning::TrainingTable& rows, const std::vector<int>& label,
+                                                 const std::vector<double>& points,
+                                                 const std::vector<double>& shares) const {
+  constexpr double kRidge = 0.1;  // of a and b [nat]
+  if (!fidelity_.forecast) return learning::fit_logistic(with_variables(rows, shares), label, kRidge);
+  std::vector<double> ridge(variables_ + 1, kRidgeOfVariables);
+  ridge.insert(ridge.end(), {kRidgeOfShare, kRidgeOfConstant});
+  return learning::fit_logistic(with_variables(rows, with_shares(points, variables_, shares)), label,
+                                log_odds(*fidelity_.forecast, points), ridge);
+}
+
+std::vector<double> Teacher::graded_mean(const learning::LogisticModel& passes, const std::vector<double>& points,
+                                         const std::vector<double>& shares) const {
+  if (!fidelity_.forecast) return log_odds(passes, shares, 1);
+  std::vector<double> odds = log_odds(*fidelity_.forecast, points);
+  add(odds, log_odds(passes, with_shares(points, variables_, shares), variables_ + 2));
+  return odds;
 }
 
 std::vector<double> Teacher::operator()(const std::vector<double>& points) const {
   const std::vector<double> own = seen(points);
-  std::vector<double> p = plain_.most_probable(own, mean(points));
-  if (!graded_) return p;
-  const std::size_t width = own.size() * variables_ / points.size();
-  const std::vector<double> share = graded_->share(with_input(own, width, excess_of_slope));
-  const std::vector<double> q = graded_->rest.most_probable(own, log_odds(graded_->passes, share));
+  if (!graded_) return plain_.most_probable(own, mean(points));
+  const std::vector<double> share = graded_->share(own, family_shares(fidelity_, points, variables_));
+  std::vector<double> p = graded_->rest.most_probable(own, graded_mean(graded_->passes, points, share));
+  const std::vector<double> q = plain_.most_probable(own, mean(points));
   for (std::size_t k = 0; k < p.size(); ++k) p[k] = (p[k] + q[k]) / 2;
   return p;
 }

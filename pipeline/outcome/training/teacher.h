@@ -14,8 +14,10 @@
 // code when fast approximations are available", Biometrika 87:1 (2000). Other trials of the same fidelity, of another
 // design, are as good as own ones to the process.
 //
-// A vehicle whose family has a model starts from its forecast: the log odds of it are the mean of the first process,
-// and an input of both. Few own trials then say how the vehicle differs from its family.
+// A vehicle whose family has a model starts from its forecast f [nat]. The means of the two processes are
+// f + c + w.x and f + c' + w'.x + b r(x), by logistic regressions whose penalties hold them to f, and f is an input of
+// both. r(x) then adds to what the family's trials expect. Few own trials so say how the vehicle differs from its
+// family.
 //
 // For a family of vehicles, trials of its wheels by themselves are the coarse fidelity. Both processes then see the
 // margins of the vehicle that is composed of such wheels beside the variables (composed.h).
@@ -32,6 +34,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/outcome/prior/composed.h"
 #include "pipeline/outcome/prior/forecast.h"
+#include "pipeline/outcome/prior/speed_share.h"
 #include "pipeline/outcome/training_data.h"
 
 namespace gonogo::outcome {
@@ -79,7 +82,8 @@ struct OtherTrials {
   std::vector<OtherDataset> datasets;
   /// Of a family's wheels, where one of the datasets has them.
   std::shared_ptr<const ComposedVehicle> composed{};
-  std::shared_ptr<const Forecast> forecast{};  // nothing: none
+  std::shared_ptr<const Forecast> forecast{};        // nothing: none
+  std::shared_ptr<const SpeedShare> family_speed{};  // of the family's trials; nothing: they are not known
 
   bool empty() const { return table.row_count() == 0; }
   /// Trials of all datasets, and those behind the forecast.
@@ -100,6 +104,9 @@ struct OtherTrials {
 OtherTrials read_other_trials(const campaign::Provenance& own, const std::string& where,
                               const std::vector<std::filesystem::path>& others);
 
+/// Starts from the forecast, and from the speeds of the trials behind it.
+void add_forecast(OtherTrials& known, std::shared_ptr<const Forecast> forecast);
+
 /// The same files, the finest first; those of one fidelity stay in their order.
 std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::path> datasets);
 
@@ -117,18 +124,24 @@ class Teacher {
  private:
   /// The second process.
   struct Graded {
-    learning::GaussianRegression share;   // r, of the inputs and the excess of slope
-    learning::LogisticModel passes;       // a + b r
+    SpeedShare share;                     // r
+    learning::LogisticModel passes;       // a + b r, or what it adds to a forecast
     learning::GaussianProcessModel rest;  // around it
   };
 
   /// Points at the own fidelity as the processes take them.
   std::vector<double> seen(const std::vector<double>& points) const;
-  /// Mean of the first process at points; empty without a forecast.
+  /// Mean of the first process at points [x variables]; empty without a forecast.
   std::vector<double> mean(const std::vector<double>& points) const;
+  /// Mean of the second process. shares: r of every point
+  std::vector<double> graded_mean(const learning::LogisticModel& passes, const std::vector<double>& points,
+                                  const std::vector<double>& shares) const;
+  learning::LogisticModel passes_by_share(const learning::TrainingTable& rows, const std::vector<int>& label,
+                                          const std::vector<double>& points, const std::vector<double>& shares) const;
 
   std::size_t variables_;
-  OtherTrials fidelity_;  // of the own trials, without rows
+  OtherTrials fidelity_;                               // of the own trials, without rows
+  std::optional<learning::LogisticModel> correction_;  // c + w.x beside a forecast
   learning::GaussianProcessModel plain_;
   std::optional<Graded> graded_;
 };

@@ -49,12 +49,13 @@ Inputs read_inputs(const TrainRequest& request) {
   if (request.hold_out > 0) in.held_out = hold_out(in.data, request.hold_out, request.seed);
   if (!request.groups.empty()) keep_groups(in.data, request.groups);
   in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
-  if (request.forecast) {
-    in.others.forecast = request.forecast;
-    in.others.datasets.push_back({request.forecast->hash, request.forecast->trials, request.forecast->about});
-  }
+  if (request.forecast) add_forecast(in.others, request.forecast);
   const std::size_t rows = in.data.table.row_count(), others = in.others.count();
+  const bool is_chosen = in.settings.teacher.has_value();
   in.settings = settings_for_trials(std::move(in.settings), rows, others);
+  // The teacher then knows as much as all these trials, and weighs as much.
+  if (request.forecast && !is_chosen && in.settings.teacher)
+    *in.settings.teacher *= double(rows + others) / double(rows);
   in.training = training_settings(in.settings, rows, others, request.seed);
   in.data_hash = file_hash(request.dataset);
   in.teacher = teacher_share(in.settings);

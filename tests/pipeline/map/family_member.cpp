@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "base/files/file.h"
 #include "base/json/config.h"
 #include "base/math/random.h"
+#include "learning/score/score.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "pipeline/map/map_request.h"
 #include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/active/learning_curve.h"
 #include "pipeline/outcome/answer/predictor.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
+#include "pipeline/outcome/training/teacher.h"
 #include "pipeline/outcome/training/train_model.h"
 #include "pipeline/outcome/training_data.h"
 #include "terrain/raster/layer/slope.h"
@@ -330,6 +334,36 @@ TEST_CASE("a family's model is scored on trials of one vehicle at the vehicle's 
   const outcome::Evaluation scored = outcome::evaluate_model(*family.predictor, asked, "fresh");
   CHECK(scored.trials == 400);
   CHECK(scored.scores.model().brier.value == Approx(sum / 400));
+}
+
+TEST_CASE("64 own trials where the family is unsure correct its forecast, and the speeds of its trials help") {
+  const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm_fresh/dataset.h5";
+  const auto forecast = family_forecast("wheeled_family_32mm", fresh);
+  const learning::TrainingTable table = outcome::make_training_data(read_dataset(fresh).records, {}).table;
+  outcome::Forecast without_speeds = *forecast;
+  without_speeds.table = {};
+  double alone = 0, together = 0, blind = 0;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto groups = outcome::grown_groups(table, {}, 64, outcome::answers_of(*forecast), seed);
+    std::vector<std::size_t> own, rest;
+    for (std::size_t n = 0; n < table.row_count(); ++n)
+      (std::binary_search(groups.begin(), groups.end(), table.group[n]) ? own : rest).push_back(n);
+    const learning::TrainingTable unseen = table.subset(rest);
+    const std::vector<int> happened = outcome::passable_labels(unseen);
+    const auto score = [&](const std::vector<double>& p) { return learning::brier_score(p, happened) / 3; };
+    const auto taught = [&](const outcome::Forecast& known) {
+      outcome::OtherTrials others;
+      outcome::add_forecast(others, std::make_shared<const outcome::Forecast>(known));
+      return outcome::Teacher(table.subset(own), others)(unseen.variables);
+    };
+    alone += score(forecast->p_go(unseen.variables));
+    together += score(taught(*forecast));
+    blind += score(taught(without_speeds));
+  }
+  std::printf("Brier score of the family %.4f; with 64 own trials %.4f, without the family's speeds %.4f\n", alone,
+              together, blind);
+  CHECK(together < 0.9 * alone);
+  CHECK(together < blind);
 }
 
 TEST_CASE(

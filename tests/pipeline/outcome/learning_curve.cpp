@@ -169,6 +169,47 @@ TEST_CASE("an active curve begins with the drawn trials and adds to them") {
   CHECK(to_json(learning_curve(request)).dump() == to_json(active).dump());
 }
 
+TEST_CASE("an active curve that starts from a forecast draws its first trials where that is unsure") {
+  LearningCurveRequest request = small_request("forecast");
+  request.trials = {20};
+  request.subsets = 4;
+  const std::size_t slope = campaign::contract().variable_index("slope_along"),
+                    width = campaign::contract().variables.size();
+  const learning::TrainingTable all = make_training_data(campaign::read_dataset(model_dataset()).records, {}).table;
+  std::vector<double> slopes;
+  for (std::size_t n = 0; n < all.row_count(); ++n) slopes.push_back(all.row(n)[slope]);
+  std::nth_element(slopes.begin(), slopes.begin() + std::ptrdiff_t(slopes.size() / 2), slopes.end());
+  const double middle = slopes[slopes.size() / 2];
+  request.training.forecast = std::make_shared<const Forecast>(
+      Forecast{.hash = "h", .about = "a family", .trials = 9, .p_go = [=](const std::vector<double>& points) {
+                 std::vector<double> p;
+                 for (std::size_t n = slope; n < points.size(); n += width)
+                   p.push_back(points[n] < middle ? 0.999 : 0.5);
+                 return p;
+               }});
+  const auto steep = [&] {  // share of the trials
+    double count = 0, points = 0;
+    learning_curve(request);
+    for (int k = 1; k <= 4; ++k) {
+      const auto place = request.folder / ("trials_20_subset_" + std::to_string(k)) / "model.h5";
+      const learning::Model model = learning::read_model(place);
+      for (std::size_t i = slope; i < model.training_points.size(); i += width) {
+        count += model.training_points[i] >= middle;
+        ++points;
+      }
+    }
+    return count / points;
+  };
+  const double drawn = steep();
+  request.active = true;
+  request.folder = scratch() / "forecast_active";
+  const double chosen = steep();
+  std::printf("share of the trials on steep slopes, where the forecast is unsure: drawn %.2f, chosen %.2f\n", drawn,
+              chosen);
+  CHECK(chosen > 0.75);
+  CHECK(drawn < 0.7);
+}
+
 TEST_CASE("a learning curve refuses numbers of trials that there are not") {
   LearningCurveRequest request = small_request("refused");
   request.trials = {20, 90};
