@@ -4,7 +4,7 @@
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/family_member.h"
 #include "pipeline/outcome/active/learning_curve.h"
-#include "pipeline/outcome/training/teacher.h"
+#include "pipeline/outcome/prior/other_trials.h"
 
 namespace gonogo::app {
 namespace {

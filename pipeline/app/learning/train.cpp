@@ -3,7 +3,7 @@
 #include "pipeline/app/cli/work.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/family_member.h"
-#include "pipeline/outcome/training/teacher.h"
+#include "pipeline/outcome/prior/other_trials.h"
 #include "pipeline/outcome/training/train_model.h"
 
 namespace gonogo::app {

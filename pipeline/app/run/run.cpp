@@ -21,8 +21,8 @@
 #include "pipeline/map/region/area.h"
 #include "pipeline/map/region/region.h"
 #include "pipeline/map/write/make_map.h"
+#include "pipeline/outcome/prior/other_trials.h"
 #include "pipeline/outcome/settings.h"
-#include "pipeline/outcome/training/teacher.h"
 #include "pipeline/outcome/training/train_model.h"
 
 namespace gonogo::app {

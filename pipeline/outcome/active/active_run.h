@@ -7,7 +7,7 @@
 
 #include "pipeline/campaign/design/design.h"
 #include "pipeline/campaign/engine/study_campaign.h"
-#include "pipeline/outcome/training/teacher.h"
+#include "pipeline/outcome/prior/forecast.h"
 
 namespace gonogo::outcome {
 

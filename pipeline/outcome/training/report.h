@@ -10,8 +10,8 @@
 #include "learning/model/model.h"
 #include "pipeline/outcome/evaluation/scores.h"
 #include "pipeline/outcome/joint_summary.h"
+#include "pipeline/outcome/prior/other_trials.h"
 #include "pipeline/outcome/settings.h"
-#include "pipeline/outcome/training/teacher.h"
 #include "pipeline/outcome/training/training_sampler.h"
 
 namespace gonogo::outcome {
