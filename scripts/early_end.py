@@ -3,6 +3,8 @@
 
     scripts/early_end.py data/hmmwv_32mm_fresh/dataset.h5 data/hmmwv_32mm_fresh/campaign.tar.gz
     scripts/early_end.py out/f/dataset.h5 out/f/courses --minimum 2.5 1.5
+    scripts/early_end.py data/hmmwv_32mm_fresh/dataset.h5 data/hmmwv_32mm_fresh/campaign.tar.gz --minimum 2 \
+        --against data/hmmwv_32mm/converged.h5       # the same points driven otherwise (docs/log/creep.md)
 
 Every course is judged by the rules of docs/trials.md, with the study's `minimum_drive_s` and with shorter ones. Courses
 come from `gonogo campaign run --course-every`; a drive ends at a line of its course, so up to one interval late. Rolling
@@ -173,6 +175,27 @@ def line(minimum, drives, outcomes):
             f"| {change.mean():+.4f} +- {change.std() / len(change) ** 0.5:.4f} | {(change ** 2).mean() ** 0.5:.4f} |")
 
 
+def point_of(trial, names):
+    return tuple(round(trial[name], 9) for name in names)
+
+
+def against(minimum, drives, outcomes, others):
+    """Holds outcomes against those of other trials of the same points."""
+    names = ("slope_along", "slope_across", "friction_angle", "cohesion", "relative_density", "payload", "tyre_friction",
+             "bed_depth", "commanded_speed")
+    said = {point_of(d.known, names): (d, o) for d, o in zip(drives, outcomes)}
+    pairs = [(*said[point_of(t, names)], t) for t in others if point_of(t, names) in said]
+    print(f"\n{len(pairs)} of {len(others)} other trials have points of these, which are judged with a minimum of {minimum:g} s:")
+    for drive, outcome, other in pairs:
+        if outcome.verdict != other["verdict"]:
+            print(f"  trial {drive.known['index']}: {outcome.verdict} with a slip of {outcome.slip:.3f}, "
+                  f"the other {other['verdict']} ({other['reason']}) with {other['slip']:.3f}")
+    passing = ("go", "slow_go")
+    change = numpy.array([t["slip"] - o.slip for _, o, t in pairs if o.passed and t["verdict"] in passing])
+    print(f"  slip where both pass, {len(change)} trials, other minus this: mean {change.mean():+.4f}, "
+          f"median {numpy.median(change):+.4f}, rms {(change ** 2).mean() ** 0.5:.4f}, largest {change[abs(change).argmax()]:+.4f}")
+
+
 def not_reproduced(drives, outcomes):
     """Trials whose verdict or reason differs from the dataset's; says how many."""
     verdict = [d.known["index"] for d, said in zip(drives, outcomes) if said.verdict != d.known["verdict"]]
@@ -189,6 +212,7 @@ def arguments():
     parser.add_argument("courses", type=Path, help="folder of courses, or the campaign.tar.gz that has them")
     parser.add_argument("--vehicle", type=Path, default=Path("configs/vehicles/hmmwv.json"), help="the trials' vehicle: length, clearance")
     parser.add_argument("--minimum", type=float, nargs="+", default=[2.5, 2, 1.5, 1], help="minimum_drive_s in place of the study's [s]")
+    parser.add_argument("--against", type=Path, help="dataset of other trials of the same points, driven with the first --minimum")
     parser.add_argument("--gonogo", default=os.environ.get("GONOGO_PROGRAM", "build/cpu-release/gonogo"))
     return parser.parse_args()
 
@@ -211,6 +235,8 @@ def main():
     residual = numpy.array([d.residual for d in drives if len(d.time)])
     print(f"residual of the contacts while driving: rms over trials {1e3 * (residual ** 2).mean() ** 0.5:.1f} mm/s, "
           f"of the worst trial {1e3 * residual.max():.1f} mm/s")
+    if options.against:
+        against(options.minimum[0], drives, outcomes[options.minimum[0]], table_of(options.gonogo, options.against)[1])
     return 0 if len(wrong) <= MOST_DIFFERING * len(drives) else 1
 
 
