@@ -163,8 +163,12 @@ class Judge:
         return "sinkage" if sunk > self.clearance else "traction"
 
 
+def known_outcome(trial):
+    return Outcome(trial["verdict"], trial["reason"], 0, trial["slip"])
+
+
 def line(minimum, drives, outcomes):
-    known = [Outcome(d.known["verdict"], d.known["reason"], 0, d.known["slip"]) for d in drives]
+    known = [known_outcome(d.known) for d in drives]
     pairs = list(zip(known, outcomes))
     stuck = [(a, b) for a, b in pairs if a.verdict == b.verdict == "no_go"]
     change = numpy.array([b.slip - a.slip for a, b in pairs if a.passed and b.passed])
@@ -183,15 +187,14 @@ def against(minimum, drives, outcomes, others):
     """Holds outcomes against those of other trials of the same points."""
     names = ("slope_along", "slope_across", "friction_angle", "cohesion", "relative_density", "payload", "tyre_friction",
              "bed_depth", "commanded_speed")
-    said = {point_of(d.known, names): (d, o) for d, o in zip(drives, outcomes)}
-    pairs = [(*said[point_of(t, names)], t) for t in others if point_of(t, names) in said]
+    said = {point_of(d.known, names): (d.known["index"], o) for d, o in zip(drives, outcomes)}
+    pairs = [(*said[point_of(t, names)], known_outcome(t)) for t in others if point_of(t, names) in said]
     print(f"\n{len(pairs)} of {len(others)} other trials have points of these, which are judged with a minimum of {minimum:g} s:")
-    for drive, outcome, other in pairs:
-        if outcome.verdict != other["verdict"]:
-            print(f"  trial {drive.known['index']}: {outcome.verdict} with a slip of {outcome.slip:.3f}, "
-                  f"the other {other['verdict']} ({other['reason']}) with {other['slip']:.3f}")
-    passing = ("go", "slow_go")
-    change = numpy.array([t["slip"] - o.slip for _, o, t in pairs if o.passed and t["verdict"] in passing])
+    for index, outcome, other in pairs:
+        if outcome.verdict != other.verdict:
+            print(f"  trial {index}: {outcome.verdict} with a slip of {outcome.slip:.3f}, "
+                  f"the other {other.verdict} ({other.reason}) with {other.slip:.3f}")
+    change = numpy.array([other.slip - outcome.slip for _, outcome, other in pairs if outcome.passed and other.passed])
     print(f"  slip where both pass, {len(change)} trials, other minus this: mean {change.mean():+.4f}, "
           f"median {numpy.median(change):+.4f}, rms {(change ** 2).mean() ** 0.5:.4f}, largest {change[abs(change).argmax()]:+.4f}")
 

@@ -100,7 +100,8 @@ LearningSettings read_learning_settings(const std::optional<Config>& section);
 /// minibatches of 64, 3,500 updates with the learning rate falling to 0.05 of itself, and a teacher of weight 30 at
 /// 16,384 points. Settings stay where the study chooses another negative phase or another sampler. `others`: trials of
 /// other fidelities, or of the vehicle's family, that the teacher learns, too. They count as own ones do, since a small
-/// machine cannot follow what the teacher knows by them.
+/// machine cannot follow what the teacher knows by them. Beside the forecast of a
+/// family, train_model() multiplies the teacher's weight by all trials over own ones.
 inline constexpr std::size_t kManyTrials = 200;
 LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials, std::size_t others);
 

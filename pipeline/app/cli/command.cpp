@@ -63,4 +63,10 @@ void add_examples(CLI::App& command, const std::vector<std::string>& lines, cons
   command.footer(footer);
 }
 
+void add_family(CLI::App& command, FamilyChoice& choice, const std::string& about) {
+  CLI::Option* from_family = command.add_flag("--from-family", choice.from_family, about);
+  add_named(command, "--family-model", choice.model, kModel, "Model of the family; default: the one that ships")
+      ->needs(from_family);
+}
+
 }  // namespace gonogo::app

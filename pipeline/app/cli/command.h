@@ -73,6 +73,15 @@ CLI::Option* add_named(CLI::App& command, const std::string& name, Type& value, 
   return command.add_option(name, value, about)->type_name(kind);
 }
 
+/// Whether models of a vehicle start from what its family's model says, and which model that is.
+struct FamilyChoice {
+  bool from_family = false;
+  std::string model;  // empty: the one that ships
+};
+
+/// --from-family, which `about` explains, and --family-model.
+void add_family(CLI::App& command, FamilyChoice& choice, const std::string& about);
+
 /// Inclusive ends of the values that an option takes.
 template <class Number>
 struct Between {

@@ -15,8 +15,8 @@ struct LearningCurveOptions {
   std::optional<std::uint64_t> seed;                   // nothing: the study's, or 1
   std::vector<std::size_t> trials = {100, 300, 1000};  // numbers to train on
   std::size_t hold_out = 1000, subsets = 5;
-  bool active = false, from_family = false;
-  std::string family;  // model; empty: the one that ships
+  bool active = false;
+  FamilyChoice family;
 };
 
 void score_curve(const Globals& globals, const LearningCurveOptions& options) {
@@ -24,7 +24,8 @@ void score_curve(const Globals& globals, const LearningCurveOptions& options) {
   const std::vector<std::filesystem::path> datasets = outcome::finest_first(options.datasets);
   request.training.dataset = datasets.front();
   request.training.others.assign(datasets.begin() + 1, datasets.end());
-  if (options.from_family) request.training.forecast = map::family_forecast(options.family, request.training.dataset);
+  if (options.family.from_family)
+    request.training.forecast = map::family_forecast(options.family.model, request.training.dataset);
   request.training.seed = options.seed.value_or(1);
   request.training.hold_out = options.hold_out;
   request.trials = options.trials;
@@ -66,12 +67,9 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals) {
   command->add_flag("--active", options->active,
                     "Draw the trials of the smallest number only; to each next one add those that an active design "
                     "would take");
-  CLI::Option* from_family =
-      command->add_flag("--from-family", options->from_family,
-                        "Start from the forecast of the model of the vehicle's family; with --active the smallest "
-                        "number follows it, too");
-  add_named(*command, "--family-model", options->family, kModel, "Model of the family; default: the one that ships")
-      ->needs(from_family);
+  add_family(*command, options->family,
+             "Start from the forecast of the model of the vehicle's family; with --active the smallest number follows "
+             "it, too");
   command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1")->check(kSeed);
   add_examples(
       *command,

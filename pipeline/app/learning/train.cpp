@@ -16,13 +16,13 @@ struct TrainOptions {
   int members = 0;                              // models on reweighted trials
   std::size_t hold_out = 0;                     // trials
   std::vector<std::filesystem::path> vehicles;  // trials of vehicles of a family
-  bool from_family = false;
-  std::string family;  // model; empty: the one that ships
+  FamilyChoice family;
 };
 
 outcome::TrainRequest to_request(const TrainOptions& options) {
   const std::vector<std::filesystem::path> datasets = outcome::finest_first(options.datasets);
-  const auto forecast = options.from_family ? map::family_forecast(options.family, datasets.front()) : nullptr;
+  const auto forecast =
+      options.family.from_family ? map::family_forecast(options.family.model, datasets.front()) : nullptr;
   outcome::TrainRequest request{.dataset = datasets.front(),
                                 .model = options.out,
                                 .seed = options.seed.value_or(1),
@@ -80,11 +80,8 @@ void add_train_command(CLI::App& app, const Globals& globals) {
       *command, "--vehicles", options->vehicles, kFile,
       "Trials of vehicles of the family that --dataset drove, each driven by itself: they shift the family's odds "
       "of passing to theirs");
-  CLI::Option* from_family =
-      command->add_flag("--from-family", options->from_family,
-                        "Start from the forecast of the model of the vehicle's family, which own trials correct");
-  add_named(*command, "--family-model", options->family, kModel, "Model of the family; default: the one that ships")
-      ->needs(from_family);
+  add_family(*command, options->family,
+             "Start from the forecast of the model of the vehicle's family, which own trials correct");
   add_examples(
       *command,
       {"gonogo train --dataset out/demo/dataset.h5 --study configs/studies/quarter_wheel_90mm.json --out out/coarse.h5",

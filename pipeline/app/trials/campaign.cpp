@@ -250,16 +250,15 @@ struct ActiveOptions {
   campaign::ComputeRequest compute;
   std::uint64_t seeds = 64, batch = 32, max_points = 1000;
   double confidence = 0.95, space_filling = 0.25;
-  bool from_family = false;
-  std::string family;  // model; empty: the one that ships
+  FamilyChoice family;
 };
 
 std::shared_ptr<const outcome::Forecast> forecast_of(const ActiveOptions& options, const campaign::Study& study) {
-  if (!options.from_family) return nullptr;
+  if (!options.family.from_family) return nullptr;
   if (study.vehicle.empty())
     throw InputError(options.study.string() + ": names no vehicle, for which --from-family asks its family; name one");
   const auto trial = study.config.object_if("trial");
-  return map::family_forecast(options.family, vehicle::read_vehicle(study.vehicle),
+  return map::family_forecast(options.family.model, vehicle::read_vehicle(study.vehicle),
                               trial && trial->boolean_or("compliant_tyres", false), study.gravity);
 }
 
@@ -298,11 +297,8 @@ void add_active(CLI::App& parent, const Globals& globals) {
              "Stop when the model expects to be right in this share");
   add_number(*command, "--space-filling", active->space_filling, {0.01, 1.0},
              "Share of a batch that is uniform over the box");
-  CLI::Option* from_family =
-      command->add_flag("--from-family", active->from_family,
-                        "Start from the forecast of the model of the vehicle's family: first trials and models");
-  add_named(*command, "--family-model", active->family, kModel, "Model of the family; default: the one that ships")
-      ->needs(from_family);
+  add_family(*command, active->family,
+             "Start from the forecast of the model of the vehicle's family: first trials and models");
   add_examples(*command, {"gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95",
                           "gonogo campaign active buggy_study.json --out out/buggy --from-family"});
   command->callback([options, active, command, &globals] {

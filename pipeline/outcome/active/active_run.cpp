@@ -47,11 +47,6 @@ void append_points(const fs::path& file, const campaign::DesignSpec& spec,
   write_file_atomically(file, text);
 }
 
-ModelAnswers answers_of(const Predictor& predictor) {
-  return {.p_go = [&](std::span<const double> points, std::span<double> p) { predictor.p_go(points, p); },
-          .novelty = [&](std::span<const double> point) { return predictor.novelty(point); }};
-}
-
 /// study: the one of the table.
 Predictor train(const campaign::Study& study, const fs::path& folder, const fs::path& dataset,
                 const std::shared_ptr<const Forecast>& forecast) {

@@ -32,6 +32,11 @@ std::vector<double> candidates_of(const campaign::DesignSpec& spec, std::uint64_
 
 }  // namespace
 
+ModelAnswers answers_of(const Predictor& predictor) {
+  return {.p_go = [&](std::span<const double> points, std::span<double> p) { predictor.p_go(points, p); },
+          .novelty = [&](std::span<const double> point) { return predictor.novelty(point); }};
+}
+
 ModelAnswers answers_of(const Forecast& forecast) {
   return {.p_go =
               [&](std::span<const double> points, std::span<double> p) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/campaign/design/design.h"
+#include "pipeline/outcome/answer/predictor.h"
 #include "pipeline/outcome/prior/forecast.h"
 
 namespace gonogo::outcome {
@@ -18,7 +19,8 @@ struct ModelAnswers {
   std::function<double(std::span<const double> point)> novelty;
 };
 
-/// A forecast knows no trial, so that no point is far from the others. `forecast` must outlive the answers.
+/// Both must outlive their answers. A forecast knows no trial, so that no point is far from the others.
+ModelAnswers answers_of(const Predictor& predictor);
 ModelAnswers answers_of(const Forecast& forecast);
 
 struct BatchRequest {

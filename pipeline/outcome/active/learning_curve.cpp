@@ -154,9 +154,7 @@ std::vector<std::uint64_t> groups_of(const LearningCurveRequest& request, const 
   if (!before) return drawn_groups(table, point.trials, point.subset);
   const Point smaller{*before, point.subset};
   const Predictor predictor = Predictor::read(place_of(request, smaller) / "model.h5");
-  const ModelAnswers answers{.p_go = [&](std::span<const double> x, std::span<double> p) { predictor.p_go(x, p); },
-                             .novelty = [&](std::span<const double> x) { return predictor.novelty(x); }};
-  return grown_groups(table, groups_of(request, split, smaller), point.trials, answers, point.subset);
+  return grown_groups(table, groups_of(request, split, smaller), point.trials, answers_of(predictor), point.subset);
 }
 
 /// Whether the models that choose a point's trials are trained.

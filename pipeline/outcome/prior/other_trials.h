@@ -3,8 +3,8 @@
 //
 // Where few trials are of the finest fidelity, a teacher also learns those of other fidelities (training/teacher.h). It
 // takes fidelity as inputs beside the variables and answers at the finest; the machine's own rows are the finest trials
-// alone. One kernel over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the output from a
-// complex computer code when fast approximations are available", Biometrika 87:1 (2000). Other trials of the same
+// alone. One kernel over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the output from
+// a complex computer code when fast approximations are available", Biometrika 87:1 (2000). Other trials of the same
 // fidelity, of another design, are as good as own ones to it.
 #pragma once
 #include <filesystem>

@@ -27,10 +27,10 @@ std::vector<std::size_t> graded_rows(const learning::TrainingTable& table) {
   return rows;
 }
 
-/// On the margins of these rows, less what is expected of them.
-learning::GaussianRegression regression(const learning::TrainingTable& table, const std::vector<std::size_t>& rows,
-                                        const std::vector<double>& expected,
+/// On the known margins, less what is expected of their rows.
+learning::GaussianRegression regression(const learning::TrainingTable& table, const std::vector<double>& expected,
                                         const learning::GaussianProcessSettings& settings) {
+  const std::vector<std::size_t> rows = graded_rows(table);
   const learning::TrainingTable inputs = with_input(table.subset(rows), excess_of_slope);
   std::vector<double> target = inputs.margin;
   if (!expected.empty())
@@ -55,11 +55,15 @@ bool SpeedShare::can_learn(const learning::TrainingTable& table) { return graded
 
 SpeedShare::SpeedShare(const learning::TrainingTable& table, const std::vector<double>& expected,
                        const learning::GaussianProcessSettings& settings)
-    : width_(table.variable_count), regression_(regression(table, graded_rows(table), expected, settings)) {
-  of_rows_ = (*this)(table.variables, expected);
+    : width_(table.variable_count), regression_(regression(table, expected, settings)) {}
+
+std::vector<double> SpeedShare::of_rows(const learning::TrainingTable& table,
+                                        const std::vector<double>& expected) const {
+  std::vector<double> shares = (*this)(table.variables, expected);
   const std::vector<std::size_t> known = graded_rows(table);
   for (std::size_t k = 0; k < known.size(); ++k)
-    of_rows_[known[k]] = regression_.leave_one_out()[k] + (expected.empty() ? 0 : expected[known[k]]);
+    shares[known[k]] = regression_.leave_one_out()[k] + (expected.empty() ? 0 : expected[known[k]]);
+  return shares;
 }
 
 std::vector<double> SpeedShare::operator()(const std::vector<double>& points,

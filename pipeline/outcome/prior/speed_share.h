@@ -37,15 +37,15 @@ class SpeedShare {
   /// this adds; empty: none.
   explicit SpeedShare(const learning::TrainingTable& table, const std::vector<double>& expected = {},
                       const learning::GaussianProcessSettings& settings = {});
-  /// Share of every row of the table as the other rows tell it, since a trial's own speed would tell its outcome.
-  const std::vector<double>& of_rows() const { return of_rows_; }
+  /// Share of every row of the table that it was fitted to, as the other rows tell it: a trial's own speed would tell
+  /// its outcome.
+  std::vector<double> of_rows(const learning::TrainingTable& table, const std::vector<double>& expected = {}) const;
   /// points: [point count x the table's width]; expected: as for the rows.
   std::vector<double> operator()(const std::vector<double>& points, const std::vector<double>& expected = {}) const;
 
  private:
   std::size_t width_;
   learning::GaussianRegression regression_;
-  std::vector<double> of_rows_;
 };
 
 }  // namespace gonogo::outcome

@@ -58,37 +58,41 @@ std::vector<double> log_odds(const Forecast& forecast, const std::vector<double>
   return result;
 }
 
-/// What the processes see beside the variables. points: [row x width]
-std::vector<double> with_knowledge(const OtherTrials& known, std::vector<double> points, std::size_t width,
-                                   std::size_t variables) {
-  const std::vector<double> asked = variables_of(points, width, variables);
-  if (known.composed) {
-    points = with_inputs(points, width, known.composed->inputs(asked), ComposedVehicle::kInputs);
-    width += ComposedVehicle::kInputs;
-  }
-  if (known.forecast) points = with_inputs(points, width, log_odds(*known.forecast, asked), 1);
-  return points;
+/// What a family says of points. Empty without a forecast.
+struct FamilyAnswers {
+  std::vector<double> odds;    // of its model [nat]
+  std::vector<double> shares;  // of the commanded speed, by its trials; empty where these are not known
+};
+
+/// points: [x variables]
+FamilyAnswers family_answers(const OtherTrials& known, const std::vector<double>& points, std::size_t variables) {
+  if (!known.forecast) return {};
+  FamilyAnswers family{log_odds(*known.forecast, points), {}};
+  if (known.family_speed)
+    family.shares = (*known.family_speed)(with_input(known.forecast->in_family(points), variables, size_across));
+  return family;
 }
 
-/// Log odds of every row. inputs: [row x width]
-std::vector<double> log_odds(const learning::LogisticModel& model, const std::vector<double>& inputs,
-                             std::size_t width) {
+/// What the processes see beside the variables. points: [row x width]; family_odds: FamilyAnswers::odds
+std::vector<double> with_knowledge(const OtherTrials& known, std::vector<double> points, std::size_t width,
+                                   std::size_t variables, const std::vector<double>& family_odds) {
+  if (known.composed) {
+    points = with_inputs(points, width, known.composed->inputs(variables_of(points, width, variables)),
+                         ComposedVehicle::kInputs);
+    width += ComposedVehicle::kInputs;
+  }
+  return known.forecast ? with_inputs(points, width, family_odds, 1) : points;
+}
+
+/// Log odds of every row by the model, beside those that are given. inputs: [row x the model's variables]
+std::vector<double> summed_odds(const learning::LogisticModel& model, const std::vector<double>& inputs,
+                                const std::vector<double>& given) {
+  const std::size_t width = model.mean.size();
   std::vector<double> result;
   for (std::size_t first = 0; first < inputs.size(); first += width)
     result.push_back(model.log_odds(std::span(inputs).subspan(first, width)));
+  for (std::size_t k = 0; k < given.size(); ++k) result[k] += given[k];
   return result;
-}
-
-/// Share of the commanded speed that the family's trials expect of points [x variables]; empty without them.
-std::vector<double> family_shares(const OtherTrials& known, const std::vector<double>& points, std::size_t variables) {
-  if (!known.family_speed) return {};
-  return (*known.family_speed)(with_input(known.forecast->in_family(points), variables, size_across));
-}
-
-/// What the second mean sees beside a forecast: the variables, the size of the slope across, and r.
-std::vector<double> with_shares(const std::vector<double>& points, std::size_t variables,
-                                const std::vector<double>& shares) {
-  return with_inputs(with_input(points, variables, size_across), variables + 1, shares, 1);
 }
 
 /// The rows with these inputs.
@@ -99,17 +103,25 @@ learning::TrainingTable with_variables(const learning::TrainingTable& rows, std:
   return result;
 }
 
-void add(std::vector<double>& sum, const std::vector<double>& values) {
-  for (std::size_t k = 0; k < values.size(); ++k) sum[k] += values[k];
-}
-
 // Penalties beside a forecast, on standardised inputs [nat]: few trials move its log odds by some 0.3 along a variable,
 // and by some 1 with the speed to expect (docs/log/learning.md).
 constexpr double kRidgeOfVariables = 10, kRidgeOfShare = 1, kRidgeOfConstant = 0.3;
 
+/// What a regression adds to the family's log odds: on variables and the size across, and on r where `sees_share`.
+learning::LogisticModel fit_correction(const learning::TrainingTable& rows, const std::vector<int>& label,
+                                       std::vector<double> inputs, const std::vector<double>& family_odds,
+                                       bool sees_share) {
+  const learning::TrainingTable table = with_variables(rows, std::move(inputs));
+  std::vector<double> ridge(table.variable_count, kRidgeOfVariables);
+  if (sees_share) ridge.back() = kRidgeOfShare;
+  ridge.push_back(kRidgeOfConstant);
+  return learning::fit_logistic(table, label, family_odds, ridge);
+}
+
 }  // namespace
 
 Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others) : variables_(rows.variable_count) {
+  constexpr double kRidge = 0.1;  // of a and b [nat]
   if (!others.empty()) known_.own = others.own;
   known_.composed = others.composed;
   known_.forecast = others.forecast;
@@ -117,62 +129,43 @@ Teacher::Teacher(const learning::TrainingTable& rows, const OtherTrials& others)
   learning::TrainingTable table = with_input(others.joined(rows), size_across);
   const std::vector<int> label = passable_labels(table);
   const std::vector<double> asked = variables_of(table.variables, table.variable_count, variables_);
-  if (known_.forecast) {
-    std::vector<double> ridge(variables_ + 1, kRidgeOfVariables);
-    ridge.push_back(kRidgeOfConstant);
-    correction_ = learning::fit_logistic(with_variables(table, with_input(asked, variables_, size_across)), label,
-                                         log_odds(*known_.forecast, asked), ridge);
-  }
-  table.variables = with_knowledge(others, std::move(table.variables), table.variable_count, variables_);
+  const FamilyAnswers family = family_answers(known_, asked, variables_);
+  if (known_.forecast)
+    correction_ = fit_correction(table, label, with_input(asked, variables_, size_across), family.odds, false);
+  table.variables = with_knowledge(known_, std::move(table.variables), table.variable_count, variables_, family.odds);
   table.variable_count = table.variables.size() / table.row_count();
   const learning::GaussianProcessSettings settings{.variances = false};
-  plain_ = learning::fit_gaussian_process(table, label, settings, mean(asked));
+  plain_ = learning::fit_gaussian_process(table, label, settings, mean(asked, family.odds));
   if (!SpeedShare::can_learn(table)) return;
-  const SpeedShare share(table, family_shares(known_, asked, variables_));
-  const learning::LogisticModel passes = passes_by_share(table, label, asked, share.of_rows());
+  SpeedShare share(table, family.shares);
+  const std::vector<double> seen_shares = with_share(asked, share.of_rows(table, family.shares));
+  learning::LogisticModel passes = known_.forecast
+                                       ? fit_correction(table, label, seen_shares, family.odds, true)
+                                       : learning::fit_logistic(with_variables(table, seen_shares), label, kRidge);
   learning::GaussianProcessModel rest = learning::fit_gaussian_process(
-      table, label, settings, graded_mean(passes, asked, share.of_rows()), plain_.search());
-  graded_.emplace(Graded{share, passes, std::move(rest)});
+      table, label, settings, summed_odds(passes, seen_shares, family.odds), plain_.search());
+  graded_.emplace(Graded{std::move(share), std::move(passes), std::move(rest)});
 }
 
-std::vector<double> Teacher::seen(const std::vector<double>& points) const {
-  const std::size_t width = variables_ + known_.own.size();
-  return with_knowledge(known_, with_input(known_.at_own(points, variables_), width, size_across), width + 1,
-                        variables_);
+std::vector<double> Teacher::mean(const std::vector<double>& points, const std::vector<double>& family_odds) const {
+  if (!correction_) return {};
+  return summed_odds(*correction_, with_input(points, variables_, size_across), family_odds);
 }
 
-std::vector<double> Teacher::mean(const std::vector<double>& points) const {
-  if (!known_.forecast) return {};
-  std::vector<double> odds = log_odds(*known_.forecast, points);
-  add(odds, log_odds(*correction_, with_input(points, variables_, size_across), variables_ + 1));
-  return odds;
-}
-
-learning::LogisticModel Teacher::passes_by_share(const learning::TrainingTable& rows, const std::vector<int>& label,
-                                                 const std::vector<double>& points,
-                                                 const std::vector<double>& shares) const {
-  constexpr double kRidge = 0.1;  // of a and b [nat]
-  if (!known_.forecast) return learning::fit_logistic(with_variables(rows, shares), label, kRidge);
-  std::vector<double> ridge(variables_ + 1, kRidgeOfVariables);
-  ridge.insert(ridge.end(), {kRidgeOfShare, kRidgeOfConstant});
-  return learning::fit_logistic(with_variables(rows, with_shares(points, variables_, shares)), label,
-                                log_odds(*known_.forecast, points), ridge);
-}
-
-std::vector<double> Teacher::graded_mean(const learning::LogisticModel& passes, const std::vector<double>& points,
-                                         const std::vector<double>& shares) const {
-  if (!known_.forecast) return log_odds(passes, shares, 1);
-  std::vector<double> odds = log_odds(*known_.forecast, points);
-  add(odds, log_odds(passes, with_shares(points, variables_, shares), variables_ + 2));
-  return odds;
+std::vector<double> Teacher::with_share(const std::vector<double>& points, const std::vector<double>& shares) const {
+  if (!known_.forecast) return shares;
+  return with_inputs(with_input(points, variables_, size_across), variables_ + 1, shares, 1);
 }
 
 std::vector<double> Teacher::operator()(const std::vector<double>& points) const {
-  const std::vector<double> own = seen(points);
-  if (!graded_) return plain_.most_probable(own, mean(points));
-  const std::vector<double> share = graded_->share(own, family_shares(known_, points, variables_));
-  std::vector<double> p = graded_->rest.most_probable(own, graded_mean(graded_->passes, points, share));
-  const std::vector<double> q = plain_.most_probable(own, mean(points));
+  const FamilyAnswers family = family_answers(known_, points, variables_);
+  const std::size_t width = variables_ + known_.own.size();
+  const std::vector<double> seen = with_knowledge(
+      known_, with_input(known_.at_own(points, variables_), width, size_across), width + 1, variables_, family.odds);
+  std::vector<double> p = plain_.most_probable(seen, mean(points, family.odds));
+  if (!graded_) return p;
+  const std::vector<double> inputs = with_share(points, graded_->share(seen, family.shares));
+  const std::vector<double> q = graded_->rest.most_probable(seen, summed_odds(graded_->passes, inputs, family.odds));
   for (std::size_t k = 0; k < p.size(); ++k) p[k] = (p[k] + q[k]) / 2;
   return p;
 }

@@ -50,15 +50,10 @@ class Teacher {
     learning::GaussianProcessModel rest;  // around it
   };
 
-  /// Points at the own fidelity as the processes take them.
-  std::vector<double> seen(const std::vector<double>& points) const;
-  /// Mean of the first process at points [x variables]; empty without a forecast.
-  std::vector<double> mean(const std::vector<double>& points) const;
-  /// Mean of the second process. shares: r of every point
-  std::vector<double> graded_mean(const learning::LogisticModel& passes, const std::vector<double>& points,
-                                  const std::vector<double>& shares) const;
-  learning::LogisticModel passes_by_share(const learning::TrainingTable& rows, const std::vector<int>& label,
-                                          const std::vector<double>& points, const std::vector<double>& shares) const;
+  /// Mean of the first process at points [x variables], by the family's log odds there; empty without a forecast.
+  std::vector<double> mean(const std::vector<double>& points, const std::vector<double>& family_odds) const;
+  /// What the logistic model of the second mean sees: r, after the variables and the size across beside a forecast.
+  std::vector<double> with_share(const std::vector<double>& points, const std::vector<double>& shares) const;
 
   std::size_t variables_;
   OtherTrials known_;                                  // of the own trials, without rows

@@ -51,10 +51,9 @@ Inputs read_inputs(const TrainRequest& request) {
   in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
   if (request.forecast) add_forecast(in.others, request.forecast);
   const std::size_t rows = in.data.table.row_count(), others = in.others.count();
-  const bool is_chosen = in.settings.teacher.has_value();
   in.settings = settings_for_trials(std::move(in.settings), rows, others);
   // The teacher then knows as much as all these trials, and weighs as much.
-  if (request.forecast && !is_chosen && in.settings.teacher)
+  if (request.forecast && !in.settings.given.count("teacher") && in.settings.teacher)
     *in.settings.teacher *= double(rows + others) / double(rows);
   in.training = training_settings(in.settings, rows, others, request.seed);
   in.data_hash = file_hash(request.dataset);

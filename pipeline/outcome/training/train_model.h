@@ -23,7 +23,7 @@ struct TrainRequest {
   std::optional<Config> design;            // section of the study, for the sampled ranges; none: as the trials span
   std::size_t hold_out = 0;                // size of the held-out set, drawn from the seed; evaluate scores it
   std::vector<std::uint64_t> groups = {};  // of replicates: of those that are not held out these train; none: all
-  std::vector<std::filesystem::path> others = {};  // datasets that the teacher learns, too (teacher.h)
+  std::vector<std::filesystem::path> others = {};  // datasets that the teacher learns, too (other_trials.h)
   std::shared_ptr<const Forecast> forecast = {};   // of the vehicle's family (teacher.h); nothing: none
   std::vector<VehicleTrials> vehicles = {};        // of a family, whose odds they calibrate (vehicle_odds.h)
   bool members_follow = false;  // train_members() comes next: finished folds are kept for its interruption
