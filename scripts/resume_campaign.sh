@@ -7,9 +7,9 @@
 #   scripts/resume_campaign.sh DATA status                    # unpacks and says how far it is
 #   scripts/resume_campaign.sh DATA pack                      # may be called while it runs; also writes DATA/dataset.h5
 #
-# DATA is data/hmmwv_32mm, say: its study is configs/studies/hmmwv_32mm.json of that revision, its folder out/hmmwv_32mm. `build` leaves the
-# program, the libraries that it needs and the vehicles and soils of its revision in build/program-REVISION; copy that folder
-# to a machine without history.
+# DATA is data/hmmwv_32mm, say: its study is configs/studies/hmmwv_32mm.json as it was when the campaign was last packed,
+# its folder out/hmmwv_32mm. `build` leaves the program, the libraries that it needs, and the vehicles and soils of its
+# revision in build/program-REVISION; copy that folder to a machine without history.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 usage() { sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"; exit 2; }
@@ -40,6 +40,8 @@ build_program() {
   # Without the ceiling the build would find this repository, and name its revision instead.
   (export GONOGO_REVISION=$revision GIT_CEILING_DIRECTORIES=$PWD/build && cd "$source_tree" && build_gpu_program)
   cp -r "$source_tree/configs" "$program/"
+  # Studies as they were when the campaign was last packed: some were written after the program of their trials.
+  git archive "$(git log -1 --format=%H -- "$archive")" configs/studies configs/families | tar -x -C "$program"
   needed_libraries "$built" | xargs -I{} cp -L {} "$program/lib/"
   cp "$built" "$program/gonogo.new" && strip "$program/gonogo.new" && mv "$program/gonogo.new" "$program/gonogo"
 }
@@ -91,7 +93,7 @@ case $action in
   run)
     build_program
     unpack
-    # Study, vehicles and soils of the campaign's revision.
+    # Study as the campaign was packed, vehicles and soils of its revision.
     GONOGO_PROGRAM=$program/gonogo scripts/gpu_campaign.sh "$program/configs/studies/$name.json" "$folder" "$seconds" "$places"
     pack
     ;;

@@ -74,7 +74,8 @@ GONOGO_HD inline RowGeometry distance_row(const Link& link, double free_length) 
 /// Row `k` of a joint, 0 <= k < row_count(type).
 GONOGO_HD inline RowGeometry joint_row(JointType type, const Link& link, double joint_length, Index k) {
   GONOGO_ASSERT(k >= 0 && k < row_count(type));
-  const bool holds_point = type != JointType::prismatic && type != JointType::distance && type != JointType::in_line;
+  const bool holds_point = type != JointType::prismatic && type != JointType::distance && type != JointType::in_line &&
+                           type != JointType::equal_spin;
   if (holds_point && k < 3) return point_row(link, direction_of(link.b, k));
   switch (type) {
     case JointType::revolute:
@@ -90,6 +91,8 @@ GONOGO_HD inline RowGeometry joint_row(JointType type, const Link& link, double 
       const Vec3d u = unit_or(cross(link.a.axis, link.b.axis), link.b.side);
       return {{}, u, -u, dot(link.a.axis, link.b.axis)};
     }
+    case JointType::equal_spin:
+      return {{}, link.a.axis, -link.b.axis, 0};  // holds speeds, so there is no drift
     default:
       return distance_row(link, joint_length);
   }

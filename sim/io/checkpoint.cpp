@@ -11,7 +11,7 @@ namespace {
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kHistory = "history";  // of penalty contact
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 7;
+constexpr std::int64_t kVersion = 8;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -38,7 +38,7 @@ static_assert(sizeof(PairLaw) == 24 && sizeof(PenaltyLaw) == 28 && sizeof(StepSe
                   sizeof(Motor) == 40 && sizeof(Attachment) == 44 && sizeof(Joint) == 104 &&
                   sizeof(SpringDamper) == 376 && sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 &&
                   sizeof(BodyState) == 64 && sizeof(ForceElement) == 80 && sizeof(Controller) == 152 &&
-                  sizeof(Monitor) == 112 && sizeof(Driveline) == 664 && sizeof(SceneWorld) == 1192,
+                  sizeof(Monitor) == 112 && sizeof(Driveline) == 632 && sizeof(SceneWorld) == 1192,
               "list the new fields in scene_hash");
 static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 912,
               "store the new fields, load them and raise kVersion");
@@ -110,7 +110,7 @@ void add(Bytes& b, const Controller& c) {
 
 void add(Bytes& b, const Driveline& d) {
   b << d.coupling << d.axle_count << d.gear_count << d.brake_count;
-  for (const DrivenAxle& a : d.axle) b << a.wheel[0] << a.wheel[1] << a.lock << a.share << a.bias << a.lock_torque;
+  for (const DrivenAxle& a : d.axle) b << a.wheel[0] << a.wheel[1] << a.lock << a.share << a.bias;
   for (const double ratio : d.ratio) b << ratio;
   for (const Brake& brake : d.brake) b << brake.motor << brake.torque;
   b << d.first_gear << d.up_speed << d.down_speed << d.shift_time << d.efficiency << d.wheel_inertia << d.engine_inertia

@@ -107,8 +107,7 @@ void check_axles(const Driveline& d, const Refusal& refuse) {
     refuse.unless(axle.wheel[0] >= 0, "has an axle without a wheel");
     refuse.unless(axle.lock < 0 || axle.wheel[1] >= 0, "has a differential between one wheel and none");
     refuse.unless(axle.bias >= 1 && std::isfinite(axle.bias), "has a torque bias below 1");
-    refuse.unless(is_not_negative(axle.share) && is_not_negative(axle.lock_torque),
-                  "has an axle whose share or locking torque is below zero");
+    refuse.unless(is_not_negative(axle.share), "has an axle whose share is below zero");
     share += axle.share;
   }
   refuse.unless(std::fabs(share - 1) < 1e-6,

@@ -232,6 +232,14 @@ Joint in_line(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& po
   return joint_at(world, JointType::in_line, a, b, point_W, axis_W);
 }
 
+Joint equal_spin(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& axis_a_W, const Vec3d& axis_b_W) {
+  Joint j;
+  j.type = JointType::equal_spin;
+  j.a = attach(world, a, body_of(world, a).position, axis_a_W);
+  j.b = attach(world, b, body_of(world, b).position, axis_b_W);
+  return j;
+}
+
 Joint distance(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_a_W, const Vec3d& point_b_W) {
   Joint j;
   j.type = JointType::distance;

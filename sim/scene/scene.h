@@ -89,6 +89,8 @@ Joint prismatic(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& 
 Joint fixed(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W);
 /// a's point stays on the line through b's along the axis.
 Joint in_line(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W, const Vec3d& axis_W);
+/// Turn equally fast from now on, each about the axis that turns with it.
+Joint equal_spin(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& axis_a_W, const Vec3d& axis_b_W);
 /// Keeps the distance that the points have now.
 Joint distance(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_a_W, const Vec3d& point_b_W);
 /// `axis_a_W` turns with a, `axis_b_W` with b; they must be at right angles.

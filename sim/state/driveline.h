@@ -5,8 +5,8 @@
 //   coupling:      direct (the engine turns with the gearbox), torque converter or clutch
 //   gearbox:       shifts up and down at given engine speeds
 //   differentials: an open centre gives every axle its share, and both wheels of an axle get equal torques. A
-//                  limited-slip or locked differential is a motor from wheel to wheel, which holds them at equal
-//                  speeds with limited torque and is implicit like every motor.
+//                  limited-slip differential is a motor from wheel to wheel, which holds them at equal speeds with
+//                  limited torque and is implicit like every motor. A locked one is a joint of the scene, equal_spin.
 #pragma once
 #include "sim/state/controller.h"
 
@@ -18,10 +18,9 @@ enum class Coupling : std::int32_t { direct, converter, clutch };
 
 struct DrivenAxle {
   Index wheel[2] = {-1, -1};  // motors between its wheels and their carriers; -1: no second wheel
-  Index lock = -1;            // motor from its left to its right wheel; -1: an open differential
+  Index lock = -1;            // limited slip: motor from its left to its right wheel
   double share = 1;           // of the torque behind the gearbox
   double bias = 1;            // limited slip: largest ratio of the two torques
-  double lock_torque = 0;     // locked: max torque from wheel to wheel [N m]; limited slip: 0
 };
 
 struct Brake {
@@ -179,8 +178,8 @@ GONOGO_HD inline double gearbox_torque(View<const TablePoint> points, const Driv
 /// Max torque [N m] from the faster to the slower wheel when their axle gets `torque` T. With T/2 + c and T/2 - c in
 /// the ratio of the bias, c = T/2 (bias - 1) / (bias + 1).
 GONOGO_HD inline double lock_limit(const DrivenAxle& a, double torque) {
-  GONOGO_ASSERT(a.bias >= 1 && a.lock_torque >= 0);
-  return a.lock_torque + 0.5 * std::fabs(torque) * (a.bias - 1) / (a.bias + 1);
+  GONOGO_ASSERT(a.bias >= 1);
+  return 0.5 * std::fabs(torque) * (a.bias - 1) / (a.bias + 1);
 }
 
 }  // namespace gonogo::sim

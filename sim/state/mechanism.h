@@ -40,7 +40,9 @@ struct Attachment {
 ///   distance   the distance of the points
 ///   universal  the points coincide and the axes are at right angles
 ///   in_line    a's point stays on b's axis: the last pin of a belt, whose other pins hold the directions
-enum class JointType : std::int32_t { revolute, spherical, prismatic, fixed, distance, universal, in_line };
+///   equal_spin a and b turn equally fast, each about its own axis: wheels on one shaft, or behind a locked
+///   differential
+enum class JointType : std::int32_t { revolute, spherical, prismatic, fixed, distance, universal, in_line, equal_spin };
 
 struct Joint {
   JointType type = JointType::fixed;
@@ -65,6 +67,8 @@ GONOGO_HD inline Index row_count(JointType type) {
       return 4;
     case JointType::in_line:
       return 2;
+    case JointType::equal_spin:
+      return 1;
   }
   return 0;
 }

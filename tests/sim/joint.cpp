@@ -7,6 +7,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/joint_error.h"
+#include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 
 using namespace gonogo;
@@ -210,4 +211,30 @@ TEST_CASE("one step of every joint and of springs agrees with a dense solution o
       CHECK(worst < 3e-6);
       CHECK(worst_load < 1e-5);
     }
+}
+
+TEST_CASE("flywheels on one shaft share a torque by their moments of inertia, wherever their axes point") {
+  const double moment[] = {2, 5, 0.3}, torque = 4, seconds = 0.5;
+  const Vec3d axis[] = {{0, 1, 0}, Vec3d{0.6, 0.8, 0}, {-1 / 3., 2 / 3., 2 / 3.}};
+  SceneWorld w;
+  w.origin = {-5, -5, -5};
+  w.size = {10, 10, 10};
+  const BodyIndex carrier = w.add_body({{}, {}, {}, {}}, fixed_body());
+  BodyIndex wheel[3];
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d at{double(k) - 1, 0, 0};
+    wheel[k] = w.add_body({at, {}, {}, {}}, solid(10, {Real(moment[k]), Real(moment[k]), Real(moment[k])}));
+    w.joint.push_back(revolute(w, wheel[k], carrier, at, axis[k]));
+    if (k == 2) w.motor.push_back(torque_motor(w.joint.back(), torque));
+    if (k > 0) w.joint.push_back(equal_spin(w, wheel[0], wheel[k], axis[0], axis[k]));
+  }
+  const double expected = torque * seconds / (moment[0] + moment[1] + moment[2]);
+  for (const Backend backend : backends()) {
+    const auto s = make_simulation(backend, {w}, {}, 1);
+    advance_for(*s, seconds);
+    for (int k = 0; k < 3; ++k) {
+      const double spin = dot(static_cast<Vec3d>(s->body(0, wheel[k]).angular_velocity), axis[k]);
+      CHECK(agrees(std::string(name_of(backend)) + ", spin of a wheel [rad/s]", expected, spin, 1e-5));
+    }
+  }
 }

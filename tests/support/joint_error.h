@@ -33,6 +33,7 @@ inline std::vector<double> constraints(const sim::Joint& j, const Pose& a, const
   const Vec3d axis_a = a.direction(j.a.axis_B), side_a = a.direction(j.a.side_B);
   const Vec3d axis_b = b.direction(j.b.axis_B), side_b = b.direction(j.b.side_B), third_b = cross(axis_b, side_b);
   if (j.type == JointType::distance) return {length(gap) - j.length};
+  if (j.type == JointType::equal_spin) return {};  // it holds speeds alone
   std::vector<double> held;
   if (j.type == JointType::prismatic || j.type == JointType::in_line)
     held = {dot(gap, side_b), dot(gap, third_b)};

@@ -127,7 +127,7 @@ TEST_CASE("an open axle spins its wheel on ice, a limited-slip one pulls by its 
     }
     const auto spin = [&](std::size_t i) { return double(s->body(0, d.e.wheel[i]).angular_velocity.y); };
     if (differential == Differential::locked)
-      CHECK(agrees("left wheel of a locked axle [rad/s]", spin(3), spin(2), 0.01 * spin(3)));
+      CHECK(agrees("left wheel of a locked axle [rad/s]", spin(3), spin(2), 1e-4 * spin(3)));
     return force;
   };
   const double open = pull(Differential::open, 1), slip = pull(Differential::limited_slip, 3);

@@ -12,8 +12,6 @@ namespace {
 
 // Driveline.
 
-/// A locked differential passes on whatever its wheels need [N m].
-constexpr double kLocked = 1e6;
 /// Driver who holds a speed: full throttle at an error of 2 m/s, and the error's integral in five seconds.
 constexpr double kProportional = 0.5, kIntegral = 0.1;  // [s/m], [1/m]
 
@@ -36,19 +34,27 @@ std::vector<std::size_t> wheels_of(const EngineVehicle& e, int axle) {
   return wheels;
 }
 
+/// Wheels behind a locked differential. A joint, not a motor: with one update a substep, a chain of strong motors
+/// rings.
+void hold_together(sim::SceneWorld& world, sim::BodyIndex a, sim::BodyIndex b) {
+  world.joint.push_back(sim::equal_spin(world, a, b, {0, 1, 0}, {0, 1, 0}));
+}
+
 sim::DrivenAxle driven_axle(sim::SceneWorld& world, const Axle& axle, const EngineVehicle& e,
                             const std::vector<std::size_t>& wheels) {
   sim::DrivenAxle a;
   for (std::size_t k = 0; k < wheels.size(); ++k) a.wheel[k] = e.drive_motor[wheels[k]];
-  if (wheels.size() < 2 || axle.differential == Differential::open) return a;
-  a.lock = add_motor(world, sim::speed_motor(world, e.wheel[wheels[0]], e.wheel[wheels[1]], {0, 1, 0}, 0, 0));
-  if (axle.differential == Differential::limited_slip) a.bias = axle.torque_bias;
-  if (axle.differential == Differential::locked) a.lock_torque = kLocked;
+  if (wheels.size() < 2) return a;
+  const sim::BodyIndex left = e.wheel[wheels[0]], right = e.wheel[wheels[1]];
+  if (axle.differential == Differential::locked) hold_together(world, left, right);
+  if (axle.differential != Differential::limited_slip) return a;
+  a.lock = add_motor(world, sim::speed_motor(world, left, right, {0, 1, 0}, 0, 0));
+  a.bias = axle.torque_bias;
   return a;
 }
 
-/// A locked centre differential between axles that are locked themselves holds all their wheels at equal speeds: motors
-/// from the first of them to the others do that. Between open axles it would hold means of wheels, which no motor does.
+/// A locked centre differential between axles that are locked themselves holds all their wheels together. Between open
+/// axles it would hold means of wheels, which no joint does.
 void lock_centre(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e) {
   if (v.driveline.centre == Differential::open) return;
   std::vector<sim::BodyIndex> first;
@@ -61,8 +67,7 @@ void lock_centre(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& 
   if (!locked)
     throw InputError("vehicle " + v.name +
                      ": trials drive a centre differential that is open, or locked with all driven axles locked too");
-  for (std::size_t k = 1; k < first.size(); ++k)
-    add_motor(world, sim::speed_motor(world, first[0], first[k], {0, 1, 0}, 0, kLocked));
+  for (std::size_t k = 1; k < first.size(); ++k) hold_together(world, first[0], first[k]);
 }
 
 void set_coupling(const Vehicle& v, sim::Driveline& d) {
