@@ -1,7 +1,6 @@
 // Of include/gonogo/learn.h: what needs LibTorch.
 #include <gonogo/learn.h>
 #include "base/files/shipped.h"
-#include "pipeline/campaign/study/study.h"
 #include "pipeline/face/inside.h"
 #include "pipeline/map/family_member.h"
 #include "pipeline/map/trained_model.h"
@@ -28,16 +27,11 @@ outcome::TrainRequest request_of(const TrainRequest& request) {
   result.dataset = request.dataset;
   result.model = request.model;
   result.others = request.others;
-  result.seed = request.seed.value_or(1);
   result.hold_out = request.hold_out;
   result.members_follow = request.members > 0;
   if (request.family) result.forecast = map::family_forecast(*request.family, request.dataset);
-  if (!request.study.empty()) {
-    const campaign::Study study = campaign::read_study(shipped_file("studies", "study", request.study));
-    if (!request.seed) result.seed = study.seed;
-    result.learning = study.config.object_if("learning");
-    result.design = study.config.object_if("design");
-  }
+  const auto study = request.study.empty() ? std::filesystem::path() : shipped_file("studies", "study", request.study);
+  outcome::take_study(result, study, request.seed);
   result.vehicles = map::vehicle_trials(result.dataset, result.design, request.vehicles);
   return result;
 }

@@ -5,7 +5,6 @@
 #include <nanobind/stl/vector.h>
 
 #include "learning/rbm/train.h"
-#include "pipeline/campaign/study/study.h"
 #include "pipeline/map/family_member.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/train_model.h"
@@ -25,19 +24,9 @@ Members train(const std::vector<std::string>& datasets, const std::string& out, 
               const std::optional<std::string>& family, const std::vector<std::string>& vehicles) {
   return members_of(long_call([&] {
     const std::vector<std::filesystem::path> files = outcome::finest_first(paths(datasets));
-    outcome::TrainRequest request{.dataset = files.front(),
-                                  .model = out,
-                                  .seed = seed.value_or(1),
-                                  .learning = {},
-                                  .design = {},
-                                  .hold_out = hold_out,
-                                  .others = {files.begin() + 1, files.end()}};
-    if (!study.empty()) {
-      const campaign::Study read = campaign::read_study(study);
-      if (!seed) request.seed = read.seed;
-      request.learning = read.config.object_if("learning");
-      request.design = read.config.object_if("design");
-    }
+    outcome::TrainRequest request{
+        .dataset = files.front(), .model = out, .hold_out = hold_out, .others = {files.begin() + 1, files.end()}};
+    outcome::take_study(request, study, seed);
     if (!learning.empty()) request.learning = Config::parse(learning, "learning");
     if (family) request.forecast = map::family_forecast(*family, request.dataset);
     request.vehicles = map::vehicle_trials(request.dataset, request.design, paths(vehicles));

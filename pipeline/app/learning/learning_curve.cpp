@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "pipeline/app/cli/work.h"
-#include "pipeline/campaign/study/study.h"
 #include "pipeline/map/family_member.h"
 #include "pipeline/outcome/active/learning_curve.h"
 #include "pipeline/outcome/prior/other_trials.h"
@@ -26,18 +25,12 @@ void score_curve(const Globals& globals, const LearningCurveOptions& options) {
   request.training.others.assign(datasets.begin() + 1, datasets.end());
   if (options.family.from_family)
     request.training.forecast = map::family_forecast(options.family.model, request.training.dataset);
-  request.training.seed = options.seed.value_or(1);
   request.training.hold_out = options.hold_out;
   request.trials = options.trials;
   request.subsets = options.subsets;
   request.active = options.active;
   request.folder = options.out;
-  if (!options.study.empty()) {
-    const campaign::Study study = campaign::read_study(options.study);
-    if (!options.seed) request.training.seed = study.seed;
-    request.training.learning = study.config.object_if("learning");
-    request.training.design = study.config.object_if("design");
-  }
+  outcome::take_study(request.training, options.study, options.seed);
   const outcome::LearningCurve curve = outcome::learning_curve(request);
   std::string text = outcome::learning_curve_text(curve);
   for (const auto& file : outcome::write_learning_curve(options.out, curve)) text += file.string() + "\n";

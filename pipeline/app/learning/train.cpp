@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "pipeline/app/cli/work.h"
-#include "pipeline/campaign/study/study.h"
 #include "pipeline/map/family_member.h"
 #include "pipeline/outcome/prior/other_trials.h"
 #include "pipeline/outcome/training/train_model.h"
@@ -25,19 +24,11 @@ outcome::TrainRequest to_request(const TrainOptions& options) {
       options.family.from_family ? map::family_forecast(options.family.model, datasets.front()) : nullptr;
   outcome::TrainRequest request{.dataset = datasets.front(),
                                 .model = options.out,
-                                .seed = options.seed.value_or(1),
-                                .learning = {},
-                                .design = {},
                                 .hold_out = options.hold_out,
                                 .others = {datasets.begin() + 1, datasets.end()},
                                 .forecast = forecast,
                                 .members_follow = options.members > 0};
-  if (!options.study.empty()) {
-    const campaign::Study study = campaign::read_study(options.study);
-    if (!options.seed) request.seed = study.seed;
-    request.learning = study.config.object_if("learning");
-    request.design = study.config.object_if("design");
-  }
+  outcome::take_study(request, options.study, options.seed);
   request.vehicles = map::vehicle_trials(request.dataset, request.design, options.vehicles);
   return request;
 }

@@ -428,6 +428,15 @@ void describe_trials(const Inputs& in, learning::Model& model) {
 
 }  // namespace
 
+void take_study(TrainRequest& request, const std::filesystem::path& study, std::optional<std::uint64_t> seed) {
+  request.seed = seed.value_or(1);
+  if (study.empty()) return;
+  const campaign::Study read = campaign::read_study(study);
+  if (!seed) request.seed = read.seed;
+  request.learning = read.config.object_if("learning");
+  request.design = read.config.object_if("design");
+}
+
 LearningSettings trainable_settings(const std::optional<Config>& section) {
   const LearningSettings settings = read_learning_settings(section);
   if (settings.training.gradients == learning::GradientDevice::cuda && !learning::gradients_on_gpu())

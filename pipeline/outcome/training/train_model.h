@@ -18,9 +18,9 @@ namespace gonogo::outcome {
 struct TrainRequest {
   std::filesystem::path dataset;           // dataset.h5 of the fidelity that the model answers at
   std::filesystem::path model;             // model.h5 to write
-  std::uint64_t seed = 0;                  // the study's
-  std::optional<Config> learning;          // section of the study; none: defaults
-  std::optional<Config> design;            // section of the study, for the sampled ranges; none: as the trials span
+  std::uint64_t seed = 1;                  // the study's
+  std::optional<Config> learning = {};     // section of the study; none: defaults
+  std::optional<Config> design = {};       // section of the study, for the sampled ranges; none: as the trials span
   std::size_t hold_out = 0;                // size of the held-out set, drawn from the seed; evaluate scores it
   std::vector<std::uint64_t> groups = {};  // of replicates: of those that are not held out these train; none: all
   std::vector<std::filesystem::path> others = {};  // datasets that the teacher learns, too (other_trials.h)
@@ -28,6 +28,10 @@ struct TrainRequest {
   std::vector<VehicleTrials> vehicles = {};        // of a family, whose odds they calibrate (vehicle_odds.h)
   bool members_follow = false;  // train_members() comes next: finished folds are kept for its interruption
 };
+
+/// Takes seed, sections learning and design from a study file; `seed` wins over the study's. Without a file (empty
+/// path) sections stay empty, and the seed is 1 unless given. Throws InputError as campaign::read_study().
+void take_study(TrainRequest& request, const std::filesystem::path& study, std::optional<std::uint64_t> seed);
 
 /// As read_learning_settings(). Also throws InputError for settings that LibTorch on this machine does not support.
 LearningSettings trainable_settings(const std::optional<Config>& section);
