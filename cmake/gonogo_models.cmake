@@ -7,4 +7,7 @@ function(gonogo_install_models folder)
     install(FILES "${PROJECT_SOURCE_DIR}/${place}/model.h5" "${PROJECT_SOURCE_DIR}/${place}/dataset.h5"
                   "${PROJECT_SOURCE_DIR}/${place}/README.md" DESTINATION "${folder}/${place}" ${ARGN})
   endforeach()
+  # Older trials of the HMMWV, which configs/studies/demo.json learns beside the own ones.
+  install(FILES "${PROJECT_SOURCE_DIR}/data/hmmwv_32mm_unsolved/dataset.h5" "${PROJECT_SOURCE_DIR}/data/hmmwv_32mm_unsolved/README.md"
+          DESTINATION "${folder}/data/hmmwv_32mm_unsolved" ${ARGN})
 endfunction()

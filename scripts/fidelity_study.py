@@ -5,7 +5,7 @@ tyres, over grains of 32 and of 90 mm.
 30 points of the HMMWV's dataset, those nearest the boundary between passing (go, slow-go) and not, are driven again. The
 reference is the dataset's own trials: the whole vehicle on compliant tyres over grains of 32 mm.
 
-  scripts/fidelity_study.py points                               # chooses them: data/hmmwv_32mm/fidelity_points.csv
+  scripts/fidelity_study.py points                               # chooses them: data/hmmwv_32mm_unsolved/fidelity_points.csv
   scripts/fidelity_study.py run out/fidelity [--device cuda] [--only NAME...]   # resumes where it was stopped
   scripts/fidelity_study.py report out/fidelity                  # docs/fidelity.md and .csv
 
@@ -16,7 +16,7 @@ import argparse, csv, json, pathlib, statistics, subprocess
 from label_quality import changes_text, compare, log_odds, number, passes, slip_of, table_for, write_report
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
-DATA = HERE / "data/hmmwv_32mm"
+DATA = HERE / "data/hmmwv_32mm_unsolved"
 STUDY = HERE / "configs/studies/hmmwv_32mm.json"
 REFERENCE = "whole vehicle, compliant tyres, 32 mm"
 QUARTER_BED = {"length_m": 2.72, "width_m": 0.8, "moving_patch": True, "packing_seeds": 1, "settle_s": 0.25, "deepest_m": 0.27}
@@ -115,7 +115,7 @@ HEADER = """# Fidelity
 For anyone who asks whether a quarter wheel, a rigid tyre or coarse grains can stand for the vehicle.
 
     scripts/fidelity_study.py run out/fidelity                              # on a CPU; --device cuda on a GPU
-    scripts/fidelity_study.py report data/hmmwv_32mm/fidelity_trials        # this table, from the trials kept there
+    scripts/fidelity_study.py report data/hmmwv_32mm_unsolved/fidelity_trials        # this table, from the trials kept there
 
 {count} points of the HMMWV's dataset, those nearest the boundary between passing (go, slow-go) and not, are driven again. The
 reference is the dataset's own trials: {reference}. {passing} of them pass, with a mean slip of {slip:.2f} and a mean sinkage of

@@ -2,7 +2,7 @@
 """Rivals of models on the trials that the models were trained on, scored on other trials (docs/learning.md).
 
     python3 -m venv out/rivals && out/rivals/bin/pip install scikit-learn h5py
-    out/rivals/bin/python scripts/learning_rivals.py --dataset data/hmmwv_32mm/fresh.h5 MODEL...
+    out/rivals/bin/python scripts/learning_rivals.py --dataset data/hmmwv_32mm_unsolved/fresh.h5 MODEL...
     out/rivals/bin/python scripts/learning_rivals.py --dataset data/viper_32mm/dataset.h5 --folds 5
 
 With --folds the rivals alone are cross-validated on the dataset, replicates in one fold. Otherwise other trials score than those that a model was trained on: those of another dataset, or those held out of its own.

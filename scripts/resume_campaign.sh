@@ -3,7 +3,8 @@
 # so this builds the revision that computed the first ones.
 #
 #   scripts/resume_campaign.sh DATA build                     # the program only: needs nvcc and the history, no GPU
-#   scripts/resume_campaign.sh DATA run [seconds] [places]    # unpacks, computes on all GPUs of this machine, packs
+#   scripts/resume_campaign.sh DATA run [seconds] [places] [workers] [options of gonogo campaign run...]
+#                                                             # unpacks, computes on all GPUs of this machine, packs
 #   scripts/resume_campaign.sh DATA status                    # unpacks and says how far it is
 #   scripts/resume_campaign.sh DATA pack                      # may be called while it runs; also writes DATA/dataset.h5
 #
@@ -94,7 +95,8 @@ case $action in
     build_program
     unpack
     # Study as the campaign was packed, vehicles and soils of its revision.
-    GONOGO_PROGRAM=$program/gonogo scripts/gpu_campaign.sh "$program/configs/studies/$name.json" "$folder" "$seconds" "$places"
+    GONOGO_PROGRAM=$program/gonogo scripts/gpu_campaign.sh "$program/configs/studies/$name.json" "$folder" "$seconds" \
+      "$places" "${@:5}"
     pack
     ;;
   *) usage ;;

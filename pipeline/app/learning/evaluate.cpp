@@ -76,11 +76,12 @@ void add_evaluate_command(CLI::App& app, const Globals& globals) {
             "Folder for evaluation.json, reliability.csv, missing.csv and evaluation.png");
   add_named(*command, "--rows", options->rows, kFile,
             "Rows (CSV of gonogo sample or gonogo qubo import) that are also compared with the held-out trials");
-  add_examples(*command, {"gonogo evaluate --model out/demo/model.h5",
-                          "gonogo train --dataset dataset.h5 --hold-out 1000 --out model.h5",
-                          "gonogo evaluate --model model.h5 --dataset dataset.h5  # on the 1000 held out",
-                          "gonogo evaluate --model hmmwv --dataset data/hmmwv_32mm/fresh.h5 --out out/scores --json",
-                          "gonogo evaluate --model out/family/model.h5 --dataset data/hmmwv_32mm/fresh.h5"});
+  add_examples(
+      *command,
+      {"gonogo evaluate --model out/demo/model.h5", "gonogo train --dataset dataset.h5 --hold-out 1000 --out model.h5",
+       "gonogo evaluate --model model.h5 --dataset dataset.h5  # on the 1000 held out",
+       "gonogo evaluate --model hmmwv --dataset data/hmmwv_32mm_fresh/dataset.h5 --out out/scores --json",
+       "gonogo evaluate --model out/family/model.h5 --dataset data/hmmwv_32mm_fresh/dataset.h5"});
   calls<evaluate>(*command, globals, options);
 }
 

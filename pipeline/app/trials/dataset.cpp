@@ -84,7 +84,8 @@ void add_forecasts(CLI::App& parent, const Globals& globals) {
   add_named(*command, "dataset", options->dataset, kFile, "Dataset (HDF5) of a vehicle, or of the family")->required();
   add_named(*command, "--model", options->model, kModel, "Model of a family of whole vehicles")->required();
   add_named(*command, "--out", options->out, kFile, "Table to write (CSV)")->required();
-  add_examples(*command, {"gonogo dataset forecasts data/hmmwv_32mm/fresh.h5 --model out/family/model.h5 --out t.csv"});
+  add_examples(*command,
+               {"gonogo dataset forecasts data/hmmwv_32mm_fresh/dataset.h5 --model out/family/model.h5 --out t.csv"});
   command->callback([options, &globals] {
     const map::TrainedModel family = map::read_trained_model(map::find_model(options->model));
     if (!family.family)
@@ -152,8 +153,9 @@ void add_diff(CLI::App& parent, const Globals& globals) {
   auto options = std::make_shared<DatasetOptions>();
   add_named(*command, "first", options->dataset, kFile, "Dataset (HDF5)")->required();
   add_named(*command, "second", options->other, kFile, "Dataset (HDF5)")->required();
-  add_examples(*command, {"gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5",
-                          "gonogo dataset diff data/hmmwv_32mm/fresh.h5 data/hmmwv_32mm/fresh_rolling.h5"});
+  add_examples(*command,
+               {"gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5",
+                "gonogo dataset diff data/hmmwv_32mm_unsolved/fresh.h5 data/hmmwv_32mm_unsolved/fresh_rolling.h5"});
   command->callback([options, &globals] {
     const campaign::Dataset first = campaign::read_dataset(options->dataset),
                             second = campaign::read_dataset(options->other);

@@ -321,7 +321,7 @@ TEST_CASE("a map of a vehicle that no trial drove is its family's answer at its 
 TEST_CASE("a family's model is scored on trials of one vehicle at the vehicle's numbers") {
   const TemporaryFolder folder;
   const TrainedModel family = read_trained_model(copy_family(folder));
-  const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm/fresh.h5";
+  const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm_unsolved/fresh.h5";
   const Dataset asked = read_trials_for(family, fresh);
   const FamilyMember member =
       family_member(wheeled(), kGravity, vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
@@ -475,7 +475,7 @@ TEST_CASE("a family's model is refused without a vehicle, for tracks, and where 
       "is a model of a family, and its trials, which say how vehicles are scaled, are not beside "
       "it; put their dataset.h5 into its folder";
   CHECK(contains(refusal("hmmwv"), no_trials));
-  const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm/fresh.h5";
+  const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm_unsolved/fresh.h5";
   CHECK(contains(input_error([&] { read_trials_for(read_trained_model(model), fresh); }), no_trials));
   CHECK_FALSE(fs::exists(folder / "refused"));
 }

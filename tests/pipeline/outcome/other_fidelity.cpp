@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 const fs::path kData = fs::path(GONOGO_SOURCE_DIR) / "data";
-const fs::path kVehicle = kData / "hmmwv_32mm/dataset.h5", kQuarter = kData / "quarter_wheel_32mm/dataset.h5",
+const fs::path kVehicle = kData / "hmmwv_32mm_unsolved/dataset.h5", kQuarter = kData / "quarter_wheel_32mm/dataset.h5",
                kFresh = kData / "hmmwv_32mm_fresh/dataset.h5";
 
 /// Trials of two variables: passed below a curve, which is one of shape for all fidelities and lies `shift` higher.
@@ -121,7 +121,7 @@ TEST_CASE("contacts are solved where they give, the solver stops at a tolerance,
   const Fidelity today = fidelity_of(kFresh), older = fidelity_of(kVehicle);
   CHECK(today.text().ends_with("which resist rolling on it, contacts solved"));
   CHECK(today.is_finer_than(older));
-  CHECK(today.is_finer_than(fidelity_of(kData / "hmmwv_32mm/rolling.h5")));
+  CHECK(today.is_finer_than(fidelity_of(kData / "hmmwv_32mm_unsolved/rolling.h5")));
   CHECK(finest_first({kVehicle, kFresh}) == std::vector<fs::path>{kFresh, kVehicle});
 
   const auto with = [](const char* numerics) {
@@ -157,7 +157,8 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
 }
 
 TEST_CASE("a process that is judged at some points does not know other trials at the same points") {
-  const fs::path rolling = kData / "hmmwv_32mm/rolling.h5";  // the first points of kVehicle, at another fidelity
+  const fs::path rolling =
+      kData / "hmmwv_32mm_unsolved/rolling.h5";  // the first points of kVehicle, at another fidelity
   const OtherTrials others = other_trials(rolling, {kVehicle});
   const TrainingData own = make_training_data(campaign::read_dataset(rolling).records, {});
   const learning::TrainingTable first = own.table.subset({0, 1, 2, 3, 4});
@@ -231,7 +232,7 @@ TEST_CASE("a study names the trials that it learns too, by shipped name or by fi
     return named_trials(Config::parse(R"({"with": )" + list + "}", (kData / "study.json").string()));
   };
   CHECK(named_trials(std::nullopt).empty());
-  const auto files = named(R"(["hmmwv_32mm", "quarter_wheel_32mm/dataset.h5"])");
+  const auto files = named(R"(["hmmwv_32mm_unsolved", "quarter_wheel_32mm/dataset.h5"])");
   REQUIRE(files.size() == 2);
   CHECK(fs::equivalent(files[0], kVehicle));
   CHECK(fs::equivalent(files[1], kQuarter));
