@@ -39,7 +39,8 @@ TEST_CASE("a map of the face shares its area between verdicts, is read as a rast
   double sum = 0;
   for (const auto& [verdict, share] : wet.share) sum += share;
   CHECK(sum == Approx(1));
-  CHECK(wet.share.at(Verdict::go) > 0.1);
+  CHECK(wet.share.at(Verdict::go) >
+        0.05);  // 19 % of the soil's points are weaker than the 15 degrees that trials sampled
   CHECK(wet.area_km2 == Approx(745 * 690 * 1e-4).epsilon(0.02));
   CHECK_FALSE(wet.reused);
   CHECK(make_map(request(folder.path / "wet", "wet")).reused);
