@@ -135,13 +135,39 @@ learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows)
   return result;
 }
 
+namespace {
+
+/// How close two points are near each other, by variable: studies whose ranges differ a little share a sequence of
+/// points.
+std::vector<double> reach_of(const learning::TrainingTable& table, std::size_t variables) {
+  constexpr double near = 0.05;  // of a variable's span
+  std::vector<double> reach(variables, 0);
+  for (std::size_t v = 0; v < variables && table.row_count() > 0; ++v) {
+    double low = table.row(0)[v], high = low;
+    for (std::size_t n = 1; n < table.row_count(); ++n) {
+      low = std::min(low, table.row(n)[v]);
+      high = std::max(high, table.row(n)[v]);
+    }
+    reach[v] = near * (high - low);
+  }
+  return reach;
+}
+
+}  // namespace
+
 OtherTrials OtherTrials::away_from(const learning::TrainingTable& rows) const {
-  std::set<std::vector<double>> points;
-  for (std::size_t n = 0; n < rows.row_count(); ++n) points.emplace(rows.row(n).begin(), rows.row(n).end());
+  const std::vector<double> reach = reach_of(table, rows.variable_count);
+  const auto is_near_any = [&](std::size_t n) {
+    for (std::size_t unseen = 0; unseen < rows.row_count(); ++unseen) {
+      std::size_t v = 0;
+      while (v < reach.size() && std::fabs(table.row(n)[v] - rows.row(unseen)[v]) <= reach[v]) ++v;
+      if (v == reach.size()) return true;
+    }
+    return false;
+  };
   std::vector<std::size_t> kept;
   for (std::size_t n = 0; n < table.row_count(); ++n)
-    if (!points.contains({table.row(n).begin(), table.row(n).begin() + std::ptrdiff_t(rows.variable_count)}))
-      kept.push_back(n);
+    if (!is_near_any(n)) kept.push_back(n);
   OtherTrials result = *this;
   if (kept.size() < table.row_count()) result.table = table.subset(kept);
   return result;

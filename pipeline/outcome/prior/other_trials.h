@@ -71,8 +71,9 @@ struct OtherTrials {
   std::size_t count() const;
   /// What a process learns from: these rows of the model's own trials and all others. `rows` alone without others.
   learning::TrainingTable joined(const learning::TrainingTable& rows) const;
-  /// The same without trials at the points of these rows of the own trials: what a process may know that is judged by
-  /// them. The same point at another fidelity tells most of the outcome.
+  /// The same without trials near these rows of the own trials: what a process may know that is judged by them. The
+  /// same point at another fidelity tells most of the outcome. Near: in every variable within a twentieth of these
+  /// trials' span.
   OtherTrials away_from(const learning::TrainingTable& rows) const;
   /// The points at the own fidelity, as the process takes them. points: [point count x variables]
   std::vector<double> at_own(const std::vector<double>& points, std::size_t variables) const;

@@ -174,6 +174,17 @@ TEST_CASE("a process that is judged at some points does not know other trials at
   CHECK(others.away_from(own.table.subset({})).table.row_count() == others.table.row_count());
 }
 
+TEST_CASE("a process does not know other trials near its points either, whose study samples a little wider") {
+  // The friction angles of the older study begin at 14 degrees for 15, so each of its points lies within a degree.
+  const fs::path own_file = kData / "hmmwv_32mm/dataset.h5";
+  const OtherTrials others = other_trials(own_file, {kVehicle});
+  const TrainingData own = make_training_data(campaign::read_dataset(own_file).records, {});
+  const learning::TrainingTable first = own.table.subset({0, 1, 2, 3, 4});
+  const std::size_t left_out = others.table.row_count() - others.away_from(first).table.row_count();
+  CHECK(left_out >= 5);
+  CHECK(left_out < 15);  // and their replicates, not their neighbours
+}
+
 TEST_CASE("trials of the own fidelity teach as own ones do") {
   const fs::path first = scratch() / "first.h5", second = scratch() / "second.h5";
   campaign::Dataset half = campaign::read_dataset(kFresh);
