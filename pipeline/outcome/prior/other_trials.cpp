@@ -137,8 +137,8 @@ learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows)
 
 namespace {
 
-/// How close two points are near each other, by variable: studies whose ranges differ a little share a sequence of
-/// points.
+/// Distance in each variable within which points are near each other. Studies whose ranges differ a little share a
+/// sequence of points.
 std::vector<double> reach_of(const learning::TrainingTable& table, std::size_t variables) {
   constexpr double near = 0.05;  // of a variable's span
   std::vector<double> reach(variables, 0);
