@@ -1,4 +1,5 @@
 // Whole vehicles on hard ground in the contact engine against closed forms.
+#include <algorithm>
 #include <cmath>
 
 #include "base/format.h"
@@ -125,9 +126,15 @@ TEST_CASE("an open axle spins its wheel on ice, a limited-slip one pulls by its 
       s->advance(5);
       for (const int i : {2, 3}) force += s->contact_force(0, d.e.wheel[std::size_t(i)]).x / 50;
     }
-    const auto spin = [&](std::size_t i) { return double(s->body(0, d.e.wheel[i]).angular_velocity.y); };
-    if (differential == Differential::locked)
-      CHECK(agrees("left wheel of a locked axle [rad/s]", spin(3), spin(2), 1e-4 * spin(3)));
+    const auto spin = [&](const sim::Attachment& at) {
+      const sim::BodyState body = s->body(0, at.body);
+      return double(dot(body.angular_velocity, rotate(body.orientation, at.axis_B)));
+    };
+    for (const sim::Joint& j : d.world.joint)
+      if (j.type == sim::JointType::equal_spin)
+        CHECK(agrees("left wheel of a locked axle about its axis [rad/s]", spin(j.b), spin(j.a), 1e-4 * spin(j.b)));
+    CHECK(std::ranges::count(d.world.joint, sim::JointType::equal_spin, &sim::Joint::type) ==
+          (differential == Differential::locked));
     return force;
   };
   const double open = pull(Differential::open, 1), slip = pull(Differential::limited_slip, 3);
