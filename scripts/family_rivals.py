@@ -3,7 +3,7 @@
 
     python3 -m venv out/rivals && out/rivals/bin/pip install scikit-learn h5py
     out/rivals/bin/python scripts/family_rivals.py --model data/wheeled_family_32mm \\
-        hmmwv=data/hmmwv_32mm_unsolved/fresh.h5 viper=data/viper_32mm/dataset.h5
+        hmmwv=data/hmmwv_32mm_fresh/dataset.h5 viper=data/viper_32mm/dataset.h5
 
 Semi-empirical relations give a margin (pipeline/map/rivals.h has the sources). As a forecast of P(go) each gets a
 logistic curve of its margin, fitted to the trials of the family: the best that a user of the relation could do who has

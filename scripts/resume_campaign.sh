@@ -42,7 +42,9 @@ build_program() {
   (export GONOGO_REVISION=$revision GIT_CEILING_DIRECTORIES=$PWD/build && cd "$source_tree" && build_gpu_program)
   cp -r "$source_tree/configs" "$program/"
   # Studies as they were when the campaign was last packed: some were written after the program of their trials.
-  git archive "$(git log -1 --format=%H -- "$archive")" configs/studies configs/families | tar -x -C "$program"
+  local packed
+  packed=$(git log -1 --format=%H -- "$archive")
+  git ls-tree -d --name-only "$packed" configs/studies configs/families | xargs git archive "$packed" | tar -x -C "$program"
   needed_libraries "$built" | xargs -I{} cp -L {} "$program/lib/"
   cp "$built" "$program/gonogo.new" && strip "$program/gonogo.new" && mv "$program/gonogo.new" "$program/gonogo"
 }

@@ -72,6 +72,22 @@ double mean_width(const vehicle::Family& family) {
   return (ratio.minimum + ratio.maximum) / 2 * family.diameter;
 }
 
+/// Distance in each variable within which points are near each other. Studies whose ranges differ a little share a
+/// sequence of points.
+std::vector<double> reach_of(const learning::TrainingTable& table, std::size_t variables) {
+  constexpr double near = 0.05;  // of a variable's span
+  std::vector<double> reach(variables, 0);
+  for (std::size_t v = 0; v < variables && table.row_count() > 0; ++v) {
+    double low = table.row(0)[v], high = low;
+    for (std::size_t n = 1; n < table.row_count(); ++n) {
+      low = std::min(low, table.row(n)[v]);
+      high = std::max(high, table.row(n)[v]);
+    }
+    reach[v] = near * (high - low);
+  }
+  return reach;
+}
+
 }  // namespace
 
 bool Fidelity::is_finer_than(const Fidelity& other) const {
@@ -134,26 +150,6 @@ learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows)
   append(result, table, {});
   return result;
 }
-
-namespace {
-
-/// Distance in each variable within which points are near each other. Studies whose ranges differ a little share a
-/// sequence of points.
-std::vector<double> reach_of(const learning::TrainingTable& table, std::size_t variables) {
-  constexpr double near = 0.05;  // of a variable's span
-  std::vector<double> reach(variables, 0);
-  for (std::size_t v = 0; v < variables && table.row_count() > 0; ++v) {
-    double low = table.row(0)[v], high = low;
-    for (std::size_t n = 1; n < table.row_count(); ++n) {
-      low = std::min(low, table.row(n)[v]);
-      high = std::max(high, table.row(n)[v]);
-    }
-    reach[v] = near * (high - low);
-  }
-  return reach;
-}
-
-}  // namespace
 
 OtherTrials OtherTrials::away_from(const learning::TrainingTable& rows) const {
   const std::vector<double> reach = reach_of(table, rows.variable_count);
