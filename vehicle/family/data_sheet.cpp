@@ -439,6 +439,10 @@ Json driver(const Complete& c) {
   Json j = Json::object();
   j["throttle_start_s"] = 0.25;
   j["throttle_ramp_s"] = 0.5;
+  if (c.drive == Power::engine) {  // engines that pull little more than the weight need a driver who is soon at the pedal
+    j["full_throttle_error_m_s"] = tidy(0.2 * std::sqrt(c.sheet.gravity * c.diameter()));
+    j["integral_time_s"] = tidy(4 * std::sqrt(c.diameter() / c.sheet.gravity));
+  }
   if (!c.sprung()) return j;
   j["look_ahead_m"] = tidy(std::max(1.0, 1.5 * c.base()));
   j["steering_gain_rad_m"] = tidy(0.88 / c.base());  // the HMMWV's half of full lock per metre, over its wheelbase

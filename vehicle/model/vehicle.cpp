@@ -387,6 +387,8 @@ Driver read_driver(const Config& c) {
   d.throttle_start = c.number_or("throttle_start_s", 0, {0, 1e4});
   d.throttle_ramp = c.number_or("throttle_ramp_s", 0, {0, 1e4});
   d.speed = c.number_or("speed_m_s", 0, {0, 100});
+  d.full_throttle_error = c.number_or("full_throttle_error_m_s", d.full_throttle_error, {0.01, 100});
+  d.integral_time = c.number_or("integral_time_s", d.integral_time, {0.01, 1e4});
   d.look_ahead = c.number_or("look_ahead_m", 0, {0, 1000});
   d.steering_gain = c.number_or("steering_gain_rad_m", 0, {0, 100});
   c.finish();

@@ -159,6 +159,8 @@ struct Driveline {
 struct Driver {
   double throttle_start = 0, throttle_ramp = 0;  // [s]
   double speed = 0;                              // commanded [m/s]; 0: full throttle
+  double full_throttle_error = 2;                // shortfall of speed that takes full throttle at once [m/s]
+  double integral_time = 5;                      // in which a lasting shortfall takes as much throttle again [s]
   double look_ahead = 0, steering_gain = 0;      // straight-line steering [m], [rad/m]
 };
 

@@ -12,9 +12,6 @@ namespace {
 
 // Driveline.
 
-/// Driver who holds a speed: full throttle at an error of 2 m/s, and the error's integral in five seconds.
-constexpr double kProportional = 0.5, kIntegral = 0.1;  // [s/m], [1/m]
-
 std::vector<sim::TablePoint> points_of(const Curve& c, double factor = 1) {
   std::vector<sim::TablePoint> points;
   for (std::size_t i = 0; i < c.at.size(); ++i) points.push_back({c.at[i], factor * c.value[i]});
@@ -126,8 +123,8 @@ void set_driver(const Vehicle& v, const DriverOrders& orders, const sim::SceneWo
   d.way_per_radian = way_per_radian(v);
   d.body = e.chassis;
   d.axis_B = rotate_back(world.body[std::size_t(e.chassis)].orientation, {1, 0, 0});
-  d.proportional = kProportional;
-  d.integral = kIntegral;
+  d.proportional = 1 / v.driver.full_throttle_error;
+  d.integral = d.proportional / v.driver.integral_time;
   for (std::size_t i = 0; i < e.station.size(); ++i)
     if (e.brake_motor[i] >= 0) d.brake[d.brake_count++] = {e.brake_motor[i], e.station[i].brake_torque};
   for (const EngineTrack& t : e.track) d.brake[d.brake_count++] = {t.brake_motor, t.brake_torque};
