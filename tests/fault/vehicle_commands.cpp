@@ -32,7 +32,7 @@ TEST_CASE("vehicle show, feasible and vci answer for a vehicle by name and by fi
   CHECK(!steep.at("moves").at("feasible").boolean());
   CHECK(steep.at("moves").at("cause").string() == "traction");
   CHECK(answer({"feasible", "viper", "--step", "0.1", "--mu", "0.9"}).at("moves").at("feasible").boolean());
-  CHECK(answer({"feasible", "m113", "--slope", "25"}).at("moves").at("cause").string() == "torque");
+  CHECK(answer({"feasible", "fed_alpha", "--slope", "25", "--mu", "2"}).at("moves").at("cause").string() == "torque");
 }
 
 TEST_CASE("vehicle feasible --forces fits measured wheel forces and refuses files that say too little") {

@@ -209,8 +209,8 @@ TEST_CASE("torque limits bind where the weight's part along the slope needs more
   // Tracks: the sprockets' torque over their radius.
   const Vehicle m113 = shipped_vehicle("m113");
   const double force = largest_drive_torque(m113) / m113.track->sprocket_radius;
-  CHECK(
-      agrees("M113 [deg]", std::asin(force / (weigh(m113).total * kGravity)) / kDegree, steepest(m113, 0, 0.8), 0.01));
+  CHECK(agrees("M113 on much friction [deg]", std::asin(force / (weigh(m113).total * kGravity)) / kDegree,
+               steepest(m113, 0, 2), 0.01));
   CHECK(agrees("M113 on little friction [deg]", degrees(0.2), steepest(m113, 0, 0.2), 0.1));
   CHECK(agrees("single wheel [deg]", degrees(0.5), steepest(shipped_vehicle("mgru3"), 0, 0.5), 1e-3));
 }
