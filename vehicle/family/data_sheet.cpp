@@ -439,8 +439,8 @@ Json driver(const Complete& c) {
   Json j = Json::object();
   j["throttle_start_s"] = 0.25;
   j["throttle_ramp_s"] = 0.5;
-  if (c.drive ==
-      Power::engine) {  // engines that pull little more than the weight need a driver who is soon at the pedal
+  if (c.drive == Power::engine) {
+    // An engine that pulls little more than the weight needs a driver who is soon at the pedal.
     j["full_throttle_error_m_s"] = tidy(0.2 * std::sqrt(c.sheet.gravity * c.diameter()));
     j["integral_time_s"] = tidy(4 * std::sqrt(c.diameter() / c.sheet.gravity));
   }
