@@ -1,11 +1,13 @@
 #include "pipeline/outcome/evaluation/hidden_inputs.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
 #include "base/format.h"
 #include "base/parallel/host_loop.h"
+#include "base/progress.h"
 #include "learning/score/score.h"
 #include "pipeline/outcome/evaluation/scores.h"
 #include "pipeline/outcome/training_data.h"
@@ -21,10 +23,10 @@ std::vector<Subset> subsets_of(const std::vector<std::size_t>& variables, std::s
   std::vector<Subset> all;
   const std::size_t count = variables.size();
   for (std::size_t mask = 0; mask < std::size_t(1) << count; ++mask) {
-    Subset subset;
+    if (std::size_t(std::popcount(mask)) != size) continue;
+    Subset& subset = all.emplace_back();
     for (std::size_t k = 0; k < count; ++k)
       if (mask >> k & 1) subset.push_back(variables[k]);
-    if (subset.size() == size) all.push_back(std::move(subset));
   }
   if (all.size() <= most) return all;
   std::vector<Subset> chosen;
@@ -50,9 +52,10 @@ struct MeanTerms {
   std::vector<double> brier, log_loss;
 };
 
+/// Calls `next` after each subset.
 MeanTerms mean_terms(const Forecaster& forecaster, const learning::TrainingTable& table,
                      const std::vector<std::size_t>& rows, const std::vector<int>& label,
-                     const std::vector<Subset>& subsets) {
+                     const std::vector<Subset>& subsets, const std::function<void()>& next) {
   MeanTerms mean{std::vector<double>(rows.size(), 0.0), std::vector<double>(rows.size(), 0.0)};
   const auto add = [&](std::vector<double>& sum, const std::vector<double>& terms) {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += terms[k] / double(subsets.size());
@@ -61,6 +64,7 @@ MeanTerms mean_terms(const Forecaster& forecaster, const learning::TrainingTable
     const std::vector<double> p = forecasts(forecaster, table, rows, subset);
     add(mean.brier, learning::brier_terms(p, label));
     add(mean.log_loss, learning::log_loss_terms(p, label));
+    next();
   }
   return mean;
 }
@@ -78,14 +82,23 @@ std::vector<MissingPoint> missing_curve(const std::vector<Forecaster>& forecaste
   rows.resize(std::min(rows.size(), settings.max_rows));
   std::vector<int> label;
   for (std::size_t n : rows) label.push_back(happened[n]);
-  std::vector<MissingPoint> curve;
+  std::vector<std::vector<Subset>> by_size;
+  std::size_t done = 0, total = 0;
   for (std::size_t hidden = 0; hidden <= hideable.size(); ++hidden) {
     const std::size_t most = hidden > 3 ? settings.max_large_subsets : settings.max_subsets;
-    const auto subsets = subsets_of(hideable, hidden, most, settings.seed);
+    by_size.push_back(subsets_of(hideable, hidden, most, settings.seed));
+    total += by_size.back().size();
+  }
+  Progress progress("hidden inputs", "subsets", total);  // of the first forecaster, the slowest
+  std::vector<MissingPoint> curve;
+  for (std::size_t hidden = 0; hidden < by_size.size(); ++hidden) {
+    const std::vector<Subset>& subsets = by_size[hidden];
     MissingPoint& point = curve.emplace_back(MissingPoint{hidden, subsets.size(), rows.size(), {}});
     MeanTerms first;
     for (const Forecaster& forecaster : forecasters) {
-      MeanTerms terms = mean_terms(forecaster, table, rows, label, subsets);
+      MeanTerms terms = mean_terms(forecaster, table, rows, label, subsets, [&] {
+        if (&forecaster == &forecasters.front()) progress.update(++done);
+      });
       MissingPoint::Scored scored{forecaster.name, mean_of(terms.brier), mean_of(terms.log_loss), {}, {}};
       if (point.scored.empty()) {
         first = std::move(terms);
