@@ -52,8 +52,9 @@ struct Complete {
   std::vector<double> axle_x;  // from the front axle backwards [m]
   std::vector<double> load;    // of a wheel of each axle [N]
   double tread_width, tread_radius, lug_height, lug_thickness, centre_height, centre_behind, tractive_force, friction;
-  double deflection;            // under the mean load [m]
-  double wheel_mass, arm_mass;  // wheel with hub; arms and upright of a wheel [kg]
+  double deflection;                          // under the mean load [m]
+  double wheel_mass, arm_mass;                // wheel with hub; arms and upright of a wheel [kg]
+  double full_throttle_error, integral_time;  // of an engine's driver [m/s], [s]
   int lug_count, driven_axles;
   Build build;
   Power drive;
@@ -243,12 +244,23 @@ void set_build(Complete& c) {
                              "largest tractive force: the weight, enough to spin all wheels on dry hard ground");
 }
 
+/// An engine that pulls little more than the weight needs a driver who is soon at the pedal.
+void set_driver(Complete& c) {
+  if (c.drive != Power::engine) return;
+  c.full_throttle_error = 0.2 * std::sqrt(c.sheet.gravity * c.diameter());
+  c.integral_time = 4 * std::sqrt(c.diameter() / c.sheet.gravity);
+  c.assumed.push_back(
+      line("driver: full throttle when %.2g m/s too slow, 0.2 sqrt(g D), and as much again every %.2g s, 4 sqrt(D / g)",
+           c.full_throttle_error, c.integral_time));
+}
+
 Complete complete(const DataSheet& sheet) {
   check_sheet(sheet);
   Complete c;
   c.sheet = sheet;
   place_axles(c);
   set_build(c);
+  set_driver(c);
   set_centre(c);
   share_loads(c);
   set_tread(c);
@@ -440,9 +452,8 @@ Json driver(const Complete& c) {
   j["throttle_start_s"] = 0.25;
   j["throttle_ramp_s"] = 0.5;
   if (c.drive == Power::engine) {
-    // An engine that pulls little more than the weight needs a driver who is soon at the pedal.
-    j["full_throttle_error_m_s"] = tidy(0.2 * std::sqrt(c.sheet.gravity * c.diameter()));
-    j["integral_time_s"] = tidy(4 * std::sqrt(c.diameter() / c.sheet.gravity));
+    j["full_throttle_error_m_s"] = tidy(c.full_throttle_error);
+    j["integral_time_s"] = tidy(c.integral_time);
   }
   if (!c.sprung()) return j;
   j["look_ahead_m"] = tidy(std::max(1.0, 1.5 * c.base()));
