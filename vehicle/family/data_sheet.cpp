@@ -52,9 +52,8 @@ struct Complete {
   std::vector<double> axle_x;  // from the front axle backwards [m]
   std::vector<double> load;    // of a wheel of each axle [N]
   double tread_width, tread_radius, lug_height, lug_thickness, centre_height, centre_behind, tractive_force, friction;
-  double deflection;                          // under the mean load [m]
-  double wheel_mass, arm_mass;                // wheel with hub; arms and upright of a wheel [kg]
-  double full_throttle_error, integral_time;  // of an engine's driver [m/s], [s]
+  double deflection;            // under the mean load [m]
+  double wheel_mass, arm_mass;  // wheel with hub; arms and upright of a wheel [kg]
   int lug_count, driven_axles;
   Build build;
   Power drive;
@@ -65,6 +64,9 @@ struct Complete {
   double base() const { return axle_x.back(); }
   double mean_load() const { return weight() / wheels(); }
   double diameter() const { return sheet.tyre.diameter; }
+  // Of the driver [m/s], [s]. Engines that pull little more than the weight need one who is soon at the pedal.
+  double full_throttle_error() const { return 0.2 * std::sqrt(sheet.gravity * diameter()); }
+  double integral_time() const { return 4 * std::sqrt(diameter() / sheet.gravity); }
   bool sprung() const { return build == Build::sprung; }
 };
 
@@ -242,16 +244,10 @@ void set_build(Complete& c) {
   c.driven_axles = or_rule(c, s.driven_axles, s.axles, "driven axles: all");
   c.tractive_force = or_rule(c, s.tractive_force, kTractivePerWeight,
                              "largest tractive force: the weight, enough to spin all wheels on dry hard ground");
-}
-
-/// An engine that pulls little more than the weight needs a driver who is soon at the pedal.
-void set_driver(Complete& c) {
-  if (c.drive != Power::engine) return;
-  c.full_throttle_error = 0.2 * std::sqrt(c.sheet.gravity * c.diameter());
-  c.integral_time = 4 * std::sqrt(c.diameter() / c.sheet.gravity);
-  c.assumed.push_back(
-      line("driver: full throttle when %.2g m/s too slow, 0.2 sqrt(g D), and as much again every %.2g s, 4 sqrt(D / g)",
-           c.full_throttle_error, c.integral_time));
+  if (c.drive == Power::engine)
+    c.assumed.push_back(line(
+        "driver: full throttle when %.2g m/s too slow, 0.2 sqrt(g D), and as much again every %.2g s, 4 sqrt(D / g)",
+        c.full_throttle_error(), c.integral_time()));
 }
 
 Complete complete(const DataSheet& sheet) {
@@ -260,7 +256,6 @@ Complete complete(const DataSheet& sheet) {
   c.sheet = sheet;
   place_axles(c);
   set_build(c);
-  set_driver(c);
   set_centre(c);
   share_loads(c);
   set_tread(c);
@@ -452,8 +447,8 @@ Json driver(const Complete& c) {
   j["throttle_start_s"] = 0.25;
   j["throttle_ramp_s"] = 0.5;
   if (c.drive == Power::engine) {
-    j["full_throttle_error_m_s"] = tidy(c.full_throttle_error);
-    j["integral_time_s"] = tidy(c.integral_time);
+    j["full_throttle_error_m_s"] = tidy(c.full_throttle_error());
+    j["integral_time_s"] = tidy(c.integral_time());
   }
   if (!c.sprung()) return j;
   j["look_ahead_m"] = tidy(std::max(1.0, 1.5 * c.base()));
