@@ -126,6 +126,29 @@ TEST_CASE("models that ship are found by name and by vehicle; their trials lie b
   CHECK(contains(refused, "hmmwv_32mm"));
 }
 
+TEST_CASE("models of a rover and an eight-wheeler ship with their trials, and climbing makes passing less likely") {
+  const std::string vehicle = GENERATE("mgru3_rover", "argo_8x8");
+  const std::filesystem::path file = find_model(vehicle);
+  CHECK(file == find_model(vehicle + "_32mm"));
+  const TrainedModel model = read_trained_model(file);
+  INFO("model.h5 is older than dataset.h5: train it again (data/" << vehicle << "_32mm/README.md)");
+  CHECK(model.is_up_to_date);
+  REQUIRE(model.vehicle);
+  CHECK(model.vehicle->name == vehicle);
+  CHECK(!vehicle::is_quarter(model.vehicle->vehicle));
+  const Dataset trials = read_dataset(kSource + "/data/" + vehicle + "_32mm/dataset.h5");
+  CHECK(trials.records.size() >= 600);
+  const auto p_go = [&](double slope) {
+    std::vector<double> point(contract().variables.size(), NAN);
+    point[contract().variable_index("slope_along")] = slope;
+    return Prospect{model.predictor->outcome_probabilities(point), 0, 0}.p_go();
+  };
+  CHECK(p_go(0) > 0.95);
+  CHECK(p_go(0) > p_go(20));
+  CHECK(p_go(20) > p_go(33));
+  CHECK(p_go(33) < 0.6);
+}
+
 TEST_CASE(
     "a map of an elevation raster takes the soil by name, and the mission's open values from trials and vehicle") {
   const TemporaryFolder folder;
