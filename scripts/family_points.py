@@ -12,7 +12,6 @@ import argparse
 import csv
 import json
 import math
-import pathlib
 
 from family_sanity import ROOT, numbers
 from scipy.stats import qmc
