@@ -253,7 +253,7 @@ std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingT
       high[v] = std::fmax(high[v], table.row(n)[v]);
     }
   std::vector<std::size_t> inside;
-  for (std::size_t k = 0; k < teaching.probability.size(); ++k) {
+  for (std::size_t k = 0; k < teaching.probability.size(); k += teaching.joint_every) {
     bool is_inside = true;
     for (std::size_t v = 0; v < variables; ++v) {
       const double x = teaching.points[k * variables + v];

@@ -48,8 +48,9 @@ struct Teaching {
   std::vector<double> points;       // [point x variable count], all known
   std::vector<double> probability;  // [point]: P(1 | x) by the teacher, in [0, 1]
   std::vector<int> label;           // [outcome]: its class, 0 or 1
-  /// r in [0, 1]; above 0 only where the points are drawn from the distribution of the trials
+  /// r in [0, 1]; above 0 only where points are drawn from the distribution of the trials
   double joint_share = 0;
+  std::size_t joint_every = 1;  // points 0, joint_every, 2 joint_every ... are, and they alone share
 };
 
 struct TrainingResult {

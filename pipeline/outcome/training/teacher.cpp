@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "base/math/random.h"
 #include "learning/rbm/gaussian_process.h"
 #include "pipeline/campaign/design/sobol.h"
+#include "pipeline/campaign/study/contract.h"
 #include "pipeline/outcome/training_data.h"
 
 namespace gonogo::outcome {
@@ -16,12 +19,51 @@ TeacherShare teacher_share(const LearningSettings& settings) {
   return {weight, is_box ? weight / (1 + weight) : 0};
 }
 
-std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t count,
-                                  std::uint64_t seed) {
-  std::vector<double> points;
-  for (std::size_t k = 0; k < count; ++k)
+namespace {
+
+/// Rows of other trials at the own fidelity, if they drove vehicles of a family whose numbers the box samples.
+std::vector<std::size_t> family_rows(const OtherTrials& others, const std::vector<double>& lower,
+                                     const std::vector<double>& upper) {
+  const std::vector<campaign::Variable>& variables = campaign::contract().variables;
+  bool is_family = false;
+  for (std::size_t v = 0; v < lower.size(); ++v)
+    is_family = is_family || (campaign::is_family_variable(variables[v]) && lower[v] < upper[v]);
+  std::vector<std::size_t> rows;
+  for (std::size_t n = 0; is_family && n < others.table.row_count(); ++n) {
+    const std::span<const double> fidelity = others.table.row(n).subspan(lower.size());
+    if (std::equal(fidelity.begin(), fidelity.end(), others.own.begin(), others.own.end())) rows.push_back(n);
+  }
+  return rows;
+}
+
+/// The numbers of that row's vehicle, moved by a share of the box with where the point lies in it.
+void put_vehicle(std::span<double> point, std::span<const double> row, const std::vector<double>& lower,
+                 const std::vector<double>& upper) {
+  constexpr double kSpread = 0.05;  // of the box; 0.3 follows the teacher less well (docs/log/learning.md)
+  for (std::size_t v = 0; v < point.size(); ++v)
+    if (campaign::is_family_variable(campaign::contract().variables[v])) {
+      const double middle = (lower[v] + upper[v]) / 2;
+      point[v] = std::clamp(row[v] + kSpread * (point[v] - middle), lower[v], upper[v]);
+    }
+}
+
+}  // namespace
+
+TaughtPoints taught_points(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t count,
+                           std::uint64_t seed, const OtherTrials& others) {
+  constexpr std::uint64_t kVehicles = 0x7665686963;  // stream of random numbers
+  const std::vector<std::size_t> rows = family_rows(others, lower, upper);
+  TaughtPoints points{.values = {}, .joint_every = rows.empty() ? std::size_t(1) : std::size_t(2)};
+  for (std::size_t k = 0; k < count; ++k) {
+    // Each kind of point has a sequence of its own: those of even number in a Sobol' sequence fill a corner alone.
+    const auto number = std::uint32_t(k / points.joint_every);
+    const std::uint64_t scramble = k % points.joint_every == 0 ? seed : random_bits(seed, kVehicles, 0);
     for (std::size_t v = 0; v < lower.size(); ++v)
-      points.push_back(lower[v] + (upper[v] - lower[v]) * campaign::scrambled_sobol(std::uint32_t(k), seed, int(v)));
+      points.values.push_back(lower[v] + (upper[v] - lower[v]) * campaign::scrambled_sobol(number, scramble, int(v)));
+    if (k % points.joint_every == 0) continue;
+    const std::size_t row = rows[std::size_t(random_unit(seed, kVehicles, k) * double(rows.size()))];
+    put_vehicle(std::span(points.values).last(lower.size()), others.table.row(row), lower, upper);
+  }
   return points;
 }
 
@@ -178,19 +220,20 @@ std::vector<double> process_baseline(const learning::TrainingTable& rows, const 
       .probabilities(own.at_own(points, rows.variable_count));
 }
 
-std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,
+std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, TaughtPoints points,
                                                    std::vector<double> probability) {
   return std::make_shared<const learning::Teaching>(learning::Teaching{.weight = share.weight,
-                                                                       .points = std::move(points),
+                                                                       .points = std::move(points.values),
                                                                        .probability = std::move(probability),
                                                                        .label = passable_outcomes(),
-                                                                       .joint_share = share.joint_share});
+                                                                       .joint_share = share.joint_share,
+                                                                       .joint_every = points.joint_every});
 }
 
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    std::vector<double> points, TeacherShare share) {
+                                                    TaughtPoints points, TeacherShare share) {
   if (share.weight == 0) return nullptr;
-  std::vector<double> probability = Teacher(table, others)(points);
+  std::vector<double> probability = Teacher(table, others)(points.values);
   return teaching(share, std::move(points), std::move(probability));
 }
 

@@ -31,9 +31,17 @@
 
 namespace gonogo::outcome {
 
-/// Points that a teacher labels: `count` of a scrambled Sobol' sequence over the sampled box [point x variable].
-std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t count,
-                                  std::uint64_t seed);
+/// Points that a teacher labels.
+struct TaughtPoints {
+  std::vector<double> values;   // [point x variable]
+  std::size_t joint_every = 1;  // learning::Teaching::joint_every
+};
+
+/// `count` points of a scrambled Sobol' sequence over the sampled box. Beside other trials of a family, of its own
+/// fidelity, every second one has the numbers of a vehicle of theirs, within a fortieth of the box. Where those are of
+/// real vehicles, a machine that cannot follow its teacher everywhere follows it there.
+TaughtPoints taught_points(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t count,
+                           std::uint64_t seed, const OtherTrials& others);
 
 class Teacher {
  public:
@@ -76,12 +84,12 @@ struct TeacherShare {
 TeacherShare teacher_share(const LearningSettings& settings);
 
 /// probability: P(go) of the points.
-std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, std::vector<double> points,
+std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, TaughtPoints points,
                                                    std::vector<double> probability);
 
 /// The teaching of a machine for all rows of `table`, whose weights the process takes too, at these points; none for
 /// weight 0.
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    std::vector<double> points, TeacherShare share);
+                                                    TaughtPoints points, TeacherShare share);
 
 }  // namespace gonogo::outcome

@@ -217,8 +217,8 @@ class KeptWork {
 /// trials score it as a baseline. The last one, number fold_count, has seen all.
 class Teachers {
  public:
-  Teachers(const Inputs& in, const std::vector<std::size_t>& fold, std::size_t fold_count,
-           const std::vector<double>& points, const KeptWork& kept)
+  Teachers(const Inputs& in, const std::vector<std::size_t>& fold, std::size_t fold_count, const TaughtPoints& points,
+           const KeptWork& kept)
       : in_(in), fold_(fold), points_(points), kept_(kept), answers_(fold_count + 1) {}
 
   /// Fits those of the folds that were not kept, as many at a time as there are cores.
@@ -278,7 +278,7 @@ class Teachers {
   std::vector<double> taught(std::size_t machine) const {
     if (in_.teacher.weight == 0) return {};
     const Rows rows = rows_of(machine);
-    return Teacher(rows.seen, rows.others)(points_);
+    return Teacher(rows.seen, rows.others)(points_.values);
   }
   std::vector<double> forecasts(std::size_t fold) const {
     const Rows rows = rows_of(fold);
@@ -287,7 +287,7 @@ class Teachers {
 
   const Inputs& in_;
   const std::vector<std::size_t>& fold_;
-  const std::vector<double>& points_;  // that a teacher labels
+  const TaughtPoints& points_;
   const KeptWork& kept_;
   std::vector<std::optional<ProcessAnswers>> answers_;  // [machine]
 };
@@ -475,8 +475,8 @@ TrainingReport train_model(const TrainRequest& request) {
   const KeptWork kept(request.model, work_key(request, in.settings));
   TrainingProgress progress(folds, training, source.watch());
   const std::vector<std::size_t> fold = learning::assign_folds(table, folds, training.seed);
-  const std::vector<double> points =
-      taught_points(in.data.lower, in.data.upper, in.settings.taught_points, request.seed);
+  const TaughtPoints points =
+      taught_points(in.data.lower, in.data.upper, in.settings.taught_points, request.seed, in.others);
   Teachers teachers(in, fold, folds, points, kept);
   progress.teach(table.row_count(), [&] { teachers.fit_folds(); });
   learning::CrossValidation validation = train_folds(in, model.layout, folds, kept, source, progress, teachers);
@@ -565,7 +565,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     learning::Model model = base;
     const auto lesson =
         teach_all(table, in.others,
-                  taught_points(in.data.lower, in.data.upper, in.settings.taught_points, in.training.seed), in.teacher);
+                  taught_points(in.data.lower, in.data.upper, in.settings.taught_points, in.training.seed, in.others),
+                  in.teacher);
     model.weights = train_rbm(base.layout, table, in.training, *sampler, {}, nullptr, lesson.get()).weights;
     shift_odds(base.layout, read_report(base.provenance).odds.shift, base.calibration_power, model.weights);
     balance(base.layout, table, in.training, lesson.get(), model.weights);
