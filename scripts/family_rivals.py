@@ -108,11 +108,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("datasets", nargs="+", help="name=dataset.h5 of one vehicle")
     parser.add_argument("--model", required=True, help="folder of the family's model, with its trials")
+    parser.add_argument("--beside", nargs="*", default=[], help="more trials of the family that the model learned, for the rivals, too")
     parser.add_argument("--gonogo", default="build/cpu-release/gonogo")
     options = parser.parse_args()
     warnings.simplefilter("ignore", ConvergenceWarning)  # variables that tell nothing get the longest length allowed
     with tempfile.TemporaryDirectory() as folder:
-        train = table(options.gonogo, options.model, str(pathlib.Path(options.model) / "dataset.h5"), folder)
+        known = [table(options.gonogo, options.model, str(dataset), folder)
+                 for dataset in (pathlib.Path(options.model) / "dataset.h5", *options.beside)]
+        train = {name: numpy.concatenate([t[name] for t in known]) for name in known[0]}
         vehicles = dict(entry.split("=", 1) for entry in options.datasets)
         asked = {v: table(options.gonogo, options.model, dataset, folder) for v, dataset in vehicles.items()}
     happened = {v: t["passed"].astype(int) for v, t in asked.items()}

@@ -147,6 +147,9 @@ TEST_CASE("a step by the gradient in closed form is LibTorch's, for every term o
       INFO(hidden << " hidden units, joint share " << joint_share);
       CHECK(largest_difference(settings, edge_teaching(layout, 20, joint_share), 1) < 1e-13);
       CHECK(largest_difference(settings, edge_teaching(layout, 200, joint_share), 1) < 1e-13);
+      Teaching every_third = edge_teaching(layout, 200, joint_share);
+      every_third.joint_every = 3;
+      CHECK(largest_difference(settings, every_third, 1) < 1e-13);
       CHECK(largest_difference(settings, edge_teaching(layout, 20, joint_share), 60) < 1e-9);  // sums by logarithms
     }
   }

@@ -1,6 +1,7 @@
 // Trials of several fidelities: which is the finest, how they are joined, and what few fine trials gain by many coarse.
 #include "pipeline/outcome/training/teacher.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -12,6 +13,7 @@
 #include "learning/rbm/gaussian_process.h"
 #include "learning/score/score.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/study/contract.h"
 #include "pipeline/outcome/settings.h"
 #include "pipeline/outcome/training/train_model.h"
 #include "tests/pipeline/outcome/trained_model.h"
@@ -388,4 +390,40 @@ TEST_CASE("a model that other trials helped names them, and has other bits than 
   CHECK(report.others.at(0).trials == 60);
   CHECK(report_text(report).find("60 other trials help: quarter of a vehicle") != std::string::npos);
   CHECK_FALSE(learning::read_model(helped).weights == learning::read_model(alone).weights);
+}
+
+TEST_CASE("every second taught point of a family has a vehicle of its other trials, and both kinds fill the box") {
+  const std::vector<campaign::Variable>& variables = campaign::contract().variables;
+  const std::size_t width = variables.size(), load = campaign::contract().variable_index("load_number"),
+                    slope = campaign::contract().variable_index("slope_along");
+  std::vector<double> lower(width, 0), upper(width, 0);
+  for (std::size_t v = 0; v < width; ++v) upper[v] = campaign::is_family_variable(variables[v]) || v == slope ? 1 : 0;
+  OtherTrials others;
+  others.own = {1, 1, 3, 1, 1};
+  others.table.variable_count = width + others.own.size();
+  for (const double grains : {3.0, 2.0}) {  // of the own fidelity, and of another
+    std::vector<double> row(width, grains == 3 ? 0.9 : 0.2);
+    row.insert(row.end(), {1, 1, grains, 1, 1});
+    others.table.variables.insert(others.table.variables.end(), row.begin(), row.end());
+    others.table.outcome.push_back(0);
+  }
+  const TaughtPoints points = taught_points(lower, upper, 256, 3, others);
+  REQUIRE(points.joint_every == 2);
+  std::array<int, 2> steep{}, heavy{}, moved{};  // even and odd points
+  for (std::size_t k = 0; k < 256; ++k) {
+    const double load_number = points.values[k * width + load];
+    steep[k % 2] += points.values[k * width + slope] > 0.5;
+    heavy[k % 2] += load_number > 0.5;
+    moved[k % 2] += std::abs(load_number - 0.9) > 0.0251;
+  }
+  CHECK(steep == std::array{64, 64});  // of 128 each, as a Sobol' sequence has them
+  CHECK(heavy == std::array{64, 128});
+  CHECK(moved[1] == 0);
+  others.own[2] = 4;  // now neither row is of the own fidelity
+  const TaughtPoints alone = taught_points(lower, upper, 256, 3, others);
+  CHECK(alone.joint_every == 1);
+  upper.assign(width, 0);
+  upper[slope] = 1;  // one vehicle, no family
+  others.own[2] = 3;
+  CHECK(taught_points(lower, upper, 256, 3, others).joint_every == 1);
 }
