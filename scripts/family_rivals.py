@@ -85,23 +85,29 @@ def fitted_shift(pairs):
     return low
 
 
-def forecasts(train, asked):
-    """Of every rival: P(go), and the accuracy of the sign of its margin or None."""
+def fitted_rivals(train):
+    """Every rival, fitted once: its name, P(go) of asked trials, and the accuracy there of its margin's sign or None."""
     y = train["passed"].astype(int)
-    for name in RELATIONS:
+
+    def relation(name):
         curve = LogisticRegression(C=100).fit(train[name][:, None], y)
-        p = curve.predict_proba(asked[name][:, None])[:, 1]
-        yield name, p, numpy.mean((asked[name] > 0) == asked["passed"])
+        return (lambda asked: curve.predict_proba(asked[name][:, None])[:, 1],
+                lambda asked: numpy.mean((asked[name] > 0) == asked["passed"]))
+
     names = list(train)
     variables = [n for n in names[:names.index("passed")] if numpy.std(train[n]) > 0]
+    inputs = lambda t: numpy.column_stack([t[n] for n in variables])
     trees = HistGradientBoostingClassifier(learning_rate=0.05, max_iter=300, max_leaf_nodes=15, min_samples_leaf=10,
                                            l2_regularization=1.0, monotonic_cst=[MONOTONE.get(n, 0) for n in variables],
                                            random_state=1)
     process = make_pipeline(StandardScaler(), GaussianProcessClassifier(
         ConstantKernel(4.0, (0.1, 1e3)) * RBF([3.0] * len(variables), (0.3, 100)), random_state=1))
-    inside, outside = (numpy.column_stack([t[n] for n in variables]) for t in (train, asked))
-    for name, forecaster in (("boosted trees", trees), ("Gaussian process", process)):
-        yield name, forecaster.fit(inside, y).predict_proba(outside)[:, 1], None
+
+    def learner(forecaster):
+        forecaster.fit(inputs(train), y)
+        return lambda asked: forecaster.predict_proba(inputs(asked))[:, 1], lambda asked: None
+
+    return [(name, *relation(name)) for name in RELATIONS] + [("boosted trees", *learner(trees)), ("Gaussian process", *learner(process))]
 
 
 def main():
@@ -119,7 +125,9 @@ def main():
         vehicles = dict(entry.split("=", 1) for entry in options.datasets)
         asked = {v: table(options.gonogo, options.model, dataset, folder) for v, dataset in vehicles.items()}
     happened = {v: t["passed"].astype(int) for v, t in asked.items()}
-    said = {v: [("family", t["p_go"], numpy.mean((t["p_go"] > 0.5) == t["passed"])), *forecasts(train, t)] for v, t in asked.items()}
+    rivals = fitted_rivals(train)
+    said = {v: [("family", t["p_go"], numpy.mean((t["p_go"] > 0.5) == t["passed"])),
+                *((name, p_go(t), accuracy(t)) for name, p_go, accuracy in rivals)] for v, t in asked.items()}
     for v, dataset in vehicles.items():
         print(f"{v}: {len(happened[v])} trials of {dataset}\n  {'':<16}   Brier  log loss     ECE  accuracy"
               + ("   shifted by the others: Brier, log loss, ECE" if len(vehicles) > 1 else ""))

@@ -39,7 +39,7 @@ std::vector<std::size_t> family_rows(const OtherTrials& others, const std::vecto
 /// The numbers of that row's vehicle, moved by a share of the box with where the point lies in it.
 void put_vehicle(std::span<double> point, std::span<const double> row, const std::vector<double>& lower,
                  const std::vector<double>& upper) {
-  constexpr double kSpread = 0.05;  // of the box; 0.3 follows the teacher less well (docs/log/learning.md)
+  constexpr double kSpread = 0.05;  // of the box; docs/log/learning.md says what 0.3 did
   for (std::size_t v = 0; v < point.size(); ++v)
     if (campaign::is_family_variable(campaign::contract().variables[v])) {
       const double middle = (lower[v] + upper[v]) / 2;
