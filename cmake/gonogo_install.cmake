@@ -17,7 +17,7 @@ set(gonogo_sets core report answers training maps)
 set(set_core face_common face_sim face_terrain face_vehicle face_campaign
     version base ranks json hdf5 sim divided sim_io divided_io vehicle bed soil study design trial dataset campaign study_campaign)
 set(set_report figure picture)                                                           # cairo, libpng
-set(set_answers face_qubo learning hardware outcome map_rules trained_model family_member) # Boost
+set(set_answers face_qubo learning hardware regression words outcome teacher map_rules trained_model family_member) # Boost
 set(set_training face_learn active rbm train)                                            # LibTorch
 set(set_maps face_map map map_figure map_request page raster route route_search)  # GDAL
 

@@ -61,7 +61,7 @@ InputPrior read_prior(const Hdf5Reader& in, const VisibleLayout& layout) {
 
 }  // namespace
 
-void write_model(const std::filesystem::path& path, const Model& model) {
+void write_model(const std::filesystem::path& path, const Model& model, const std::function<void(Hdf5Writer&)>& more) {
   const std::size_t visible = model.weights.visible_count, hidden = model.weights.hidden_count;
   const std::size_t variables = model.layout.variable_count(), points = model.training_outcomes.size();
   Hdf5Writer out;
@@ -98,6 +98,7 @@ void write_model(const std::filesystem::path& path, const Model& model) {
   out.array("calibration/power", std::vector<double>{model.calibration_power});
   describe(out, "calibration/power", "-", "probabilities of outcomes are raised to it and normalised again");
   out.text("provenance", model.provenance.dump());
+  if (more) more(out);
   out.save(path);
 }
 

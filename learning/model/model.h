@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,10 @@
 #include "learning/encoding/layout.h"
 #include "learning/model/posterior.h"
 #include "learning/model/weights.h"
+
+namespace gonogo {
+class Hdf5Writer;
+}
 
 namespace gonogo::learning {
 
@@ -31,8 +36,10 @@ struct Model {
   Json provenance = Json::object();  // data_hash, contract_hash, sampler, seed, settings, counts, scores
 };
 
-/// The file is whole or absent. Throws DeviceError when it cannot be written.
-void write_model(const std::filesystem::path& path, const Model& model);
+/// The file is whole or absent. `more` adds groups of its own, such as the teacher of a family's model. Throws
+/// DeviceError when it cannot be written.
+void write_model(const std::filesystem::path& path, const Model& model,
+                 const std::function<void(Hdf5Writer&)>& more = {});
 /// Throws InputError for files that are missing, truncated, of another schema, inconsistent in their sizes, or with
 /// weights that are not finite.
 Model read_model(const std::filesystem::path& path);

@@ -44,10 +44,6 @@ torch::Tensor rows_tensor(const SampleSet& samples, std::size_t visible) {
   return result;
 }
 
-WordChains word_chains(const TrainingSettings& settings) {
-  return WordChains(settings.chains, 1, random_bits(settings.seed, kChains, 0));
-}
-
 NegativePhase::NegativePhase(const VisibleLayout& layout, const TrainingSettings& settings, const Sampler& sampler,
                              std::vector<double> base)
     : layout_(layout), labels_(layout.unit_labels()), settings_(settings), sampler_(sampler), base_(std::move(base)) {

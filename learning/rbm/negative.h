@@ -11,9 +11,6 @@ namespace gonogo::learning {
 /// Visible rows as a tensor of 0 and 1: [row x visible].
 torch::Tensor rows_tensor(const SampleSet& samples, std::size_t visible);
 
-/// The chains of code words of a training run.
-WordChains word_chains(const TrainingSettings& settings);
-
 class NegativePhase {
  public:
   /// Throws InputError when the settings need own chains and the sampler is not block_gibbs. `layout`, `settings`

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/math/random.h"
+#include "learning/rbm/words/word_gradient.h"
 
 namespace gonogo::learning {
 namespace {
@@ -161,31 +162,9 @@ torch::Tensor negative_free_energy(const Machine& m, const torch::Tensor& inputs
 }
 
 torch::Tensor step_units(const VisibleLayout& layout) {
-  std::vector<std::vector<double>> rows;
-  bool changed = false;
-  const auto add_unit = [&](std::size_t unit) { rows.emplace_back(layout.unit_count(), 0.0)[unit] = 1; };
-  for (std::size_t v = 0; v < layout.variable_count(); ++v) {
-    const Encoder& encoder = layout.encoders()[v];
-    const std::size_t first = layout.offset(v), units = encoder.unit_count();
-    if (!has_all_words(encoder.code())) {
-      for (std::size_t k = 0; k < units; ++k) add_unit(first + k);
-      continue;
-    }
-    changed = changed || units > 0;
-    std::vector<Bit> word(units), next(units);
-    for (int bin = 0; bin + 1 < encoder.bin_count(); ++bin) {
-      encoder.encode(bin, word);
-      encoder.encode(bin + 1, next);
-      std::vector<double>& row = rows.emplace_back(layout.unit_count(), 0.0);
-      for (std::size_t k = 0; k < units; ++k) row[first + k] = double(next[k]) - double(word[k]);
-    }
-  }
-  if (!changed) return {};
-  for (std::size_t y = layout.input_unit_count(); y < layout.unit_count(); ++y) add_unit(y);
-  torch::Tensor result = torch::empty({std::int64_t(rows.size()), std::int64_t(layout.unit_count())}, torch::kFloat64);
-  double* out = result.data_ptr<double>();
-  for (const std::vector<double>& row : rows) out = std::copy(row.begin(), row.end(), out);
-  return result;
+  const std::vector<double> rows = step_rows(layout);
+  const auto visible = std::int64_t(layout.unit_count());
+  return rows.empty() ? torch::Tensor() : matrix(rows, std::int64_t(rows.size()) / visible, visible);
 }
 
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
@@ -211,19 +190,6 @@ torch::Tensor objective(const Machine& machine, const RowTensors& rows, const to
   return loss;
 }
 
-void check_teaching(const VisibleLayout& layout, const Teaching& teaching) {
-  const std::size_t count = teaching.probability.size();
-  if (count == 0 || teaching.points.size() != count * layout.variable_count() ||
-      teaching.label.size() != layout.outcome_count())
-    throw InputError("teacher: its points, probabilities and classes do not match the layout");
-  for (double p : teaching.probability)
-    if (!(p >= 0 && p <= 1)) throw InputError("teacher: " + std::to_string(p) + " is no probability");
-  std::size_t ones = 0;
-  for (int c : teaching.label) ones += c != 0;
-  if (ones == 0 || ones == teaching.label.size())
-    throw InputError("teacher: both classes need an outcome; the layout has those of one class only");
-}
-
 namespace {
 
 torch::Tensor mask(const std::vector<int>& label, int chosen) {
@@ -243,26 +209,6 @@ torch::Tensor smooth_units(const VisibleLayout& layout, const std::vector<double
 }
 
 }  // namespace
-
-std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingTable& table) {
-  const std::size_t variables = table.variable_count;
-  std::vector<double> low(variables, INFINITY), high(variables, -INFINITY);
-  for (std::size_t n = 0; n < table.row_count(); ++n)
-    for (std::size_t v = 0; v < variables; ++v) {
-      low[v] = std::fmin(low[v], table.row(n)[v]);
-      high[v] = std::fmax(high[v], table.row(n)[v]);
-    }
-  std::vector<std::size_t> inside;
-  for (std::size_t k = 0; k < teaching.probability.size(); k += teaching.joint_every) {
-    bool is_inside = true;
-    for (std::size_t v = 0; v < variables; ++v) {
-      const double x = teaching.points[k * variables + v];
-      is_inside = is_inside && (low[v] > high[v] || (x >= low[v] && x <= high[v]));
-    }
-    if (is_inside) inside.push_back(k);
-  }
-  return inside;
-}
 
 TeachingTerm::TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device,
                            const TrainingTable* table)

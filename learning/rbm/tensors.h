@@ -62,8 +62,7 @@ struct Machine {
   std::vector<torch::Tensor> parameters() const { return {weight, centred_visible, centred_hidden}; }
 };
 
-/// D [step x visible]: what a step from a bin to the next changes in the units. A step of a thermometer or one-hot code
-/// is one unit, so that D is the identity there. Undefined if it is the identity as a whole.
+/// D of step_rows(); undefined if it is the identity.
 torch::Tensor step_units(const VisibleLayout& layout);
 
 /// One completion of each row, drawn by the machine's probabilities: [row x visible].
@@ -76,25 +75,6 @@ torch::Tensor negative_free_energy(const Machine& machine, const torch::Tensor& 
 /// the second term's data, 1 - r.
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
                         const TrainingSettings& settings, std::size_t table_rows, double trial_share = 1);
-
-/// Throws InputError if the points do not match the layout, a probability lies outside [0, 1], or a class has no
-/// outcome.
-void check_teaching(const VisibleLayout& layout, const Teaching& teaching);
-
-/// The first of the next `count` of `size` points, which follow each other around; `next` moves on.
-template <class Count>
-Count first_of_next(Count& next, Count count, Count size) {
-  if (next + count > size) next = 0;
-  const Count first = next;
-  next += count;
-  return first;
-}
-
-inline constexpr std::size_t kJointPoints = 64;  // of an update, at least
-
-/// The points of a teaching that lie between the least and the largest known value of every variable of the table, as
-/// indices.
-std::vector<std::size_t> points_in_box(const Teaching& teaching, const TrainingTable& table);
 
 /// The teacher's term of the objective.
 class TeachingTerm {

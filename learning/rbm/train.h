@@ -28,35 +28,11 @@
 #include "learning/model/model.h"
 #include "learning/model/posterior.h"
 #include "learning/model/weights.h"
+#include "learning/rbm/words/word_training.h"
 #include "learning/sampler/sampler.h"
 #include "learning/training.h"
 
 namespace gonogo::learning {
-
-/// Soft labels that a machine is trained on beside its trials. A teacher, which does better with few trials, says P(1 |
-/// x) at points without a trial (Hinton, Vinyals, Dean, "Distilling the knowledge in a neural network", 2015). The
-/// objective gains, with class c of {0, 1} of every outcome,
-///
-///   - t mean_k sum_c q_k(c) log P(c | x_k),   P(c | x) = sum of P(y | x) over the outcomes y of class c
-///
-/// so that only the class is taught. Which outcome of a class it is stays with the trials.
-///
-/// A few trials say little of the joint distribution. So with a joint share r the rows of the second term's data are
-/// 1 - r of the trials and r of the points inside the box of the trials, there the mean of sum_c q_k(c) log P(x_k, c).
-struct Teaching {
-  double weight = 0;                // t; 0: no teaching
-  std::vector<double> points;       // [point x variable count], all known
-  std::vector<double> probability;  // [point]: P(1 | x) by the teacher, in [0, 1]
-  std::vector<int> label;           // [outcome]: its class, 0 or 1
-  /// r in [0, 1]; above 0 only where points are drawn from the distribution of the trials
-  double joint_share = 0;
-  std::size_t joint_every = 1;  // points 0, joint_every, 2 joint_every ... are, and they alone share
-};
-
-struct TrainingResult {
-  RbmWeights weights;
-  std::vector<EpochLog> log;
-};
 
 /// Whether LibTorch can compute gradients on a GPU here.
 bool gradients_on_gpu();
@@ -66,9 +42,6 @@ bool gradients_on_gpu();
 bool trains_by_words(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
                      const Sampler& sampler);
 
-/// Called at every report epoch with the present machine. Returns false to stop.
-using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weights)>;
-
 /// Trains on all rows, from small random weights or from `start`. A layout without outcomes gives a density of the
 /// variables (with discriminative 0, and outcomes 0 in the table). With a teacher every update also takes as many of
 /// its points as the minibatch has rows. Throws InputError for a table that is empty or does
@@ -76,13 +49,6 @@ using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weight
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
                          const Sampler& sampler, const EpochHook& hook = {}, const RbmWeights* start = nullptr,
                          const Teaching* teaching = nullptr);
-
-/// The same machine with other biases of the inputs, by which the words of every variable are as frequent among its own
-/// rows as in the table, or in the box of the trials as far as `teaching` shares in the joint distribution. These
-/// biases have no part in P(y | x), and training leaves them behind the weights. Robbins-Monro steps on rows of
-/// tempered chains; deterministic.
-RbmWeights balanced_inputs(const VisibleLayout& layout, const TrainingTable& table, RbmWeights weights,
-                           std::uint64_t seed, const Teaching* teaching = nullptr);
 
 /// L at fixed negative-phase rows, and its gradient by automatic differentiation, for tests with finite differences.
 struct Objective {
@@ -92,9 +58,6 @@ struct Objective {
 Objective training_objective(const RbmWeights& weights, const VisibleLayout& layout, const TrainingTable& table,
                              const TrainingSettings& settings, const SampleSet& negative,
                              const Teaching* teaching = nullptr);
-
-/// Weighted mean over rows of -log P(y_n | x_n).
-double conditional_loss(const Posterior& posterior, const TrainingTable& table);
 
 /// What the training of one fold gave.
 struct FoldResult {

@@ -57,8 +57,8 @@ TrainReport train(const TrainRequest& request) {
 Evaluation evaluate(const std::string& model, const std::filesystem::path& dataset) {
   return guarded([&] {
     const map::TrainedModel trained = map::read_trained_model(map::find_model(model));
-    const outcome::Evaluation e =
-        outcome::evaluate_model(*trained.predictor, map::read_trials_for(trained, dataset), dataset.string());
+    const map::AnsweredTrials asked = map::answer_trials(trained, dataset);
+    const outcome::Evaluation e = outcome::evaluate_model(*asked.predictor, asked.trials, dataset.string());
     Evaluation result{.trials = e.trials,
                       .trained_on = e.trained_on,
                       .unknown = e.unknown,

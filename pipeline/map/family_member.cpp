@@ -9,6 +9,7 @@
 #include "base/format.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
+#include "pipeline/outcome/training/member_machine.h"
 #include "pipeline/outcome/training_data.h"
 #include "vehicle/family/driveline_share.h"
 #include "vehicle/model/statics.h"
@@ -17,7 +18,8 @@
 namespace gonogo::map {
 namespace {
 
-constexpr double kPayloadShare = 0.25;  // of the mass, at most: as in campaign::study_of_vehicle()
+constexpr double kPayloadShare = 0.25;  // of the mass, on maps: as in campaign::study_of_vehicle()
+constexpr double kMostPayload = 0.6;    // of the mass, that a machine learns: trials of the HMMWV have as much
 
 std::size_t index(const char* name) { return campaign::contract().variable_index(name); }
 
@@ -54,9 +56,8 @@ void add_load(std::vector<double>& point, double mass_ratio) {
   for (const char* name : {"force_number", "power_number"}) point[index(name)] /= mass_ratio;
 }
 
-/// Largest payload over the mass that keeps the numbers within the box.
-double largest_payload(const std::vector<Range>& sampled, const FamilyMember& m) {
-  double share = kPayloadShare;
+/// Largest payload over the mass, no more than `share`, that keeps the numbers within the box.
+double largest_payload(const std::vector<Range>& sampled, const FamilyMember& m, double share) {
   const auto keep = [&](double mass_ratio) {
     if (mass_ratio >= 1) share = std::min(share, mass_ratio - 1);
   };
@@ -141,39 +142,77 @@ Spreads family_values(const FamilyMember& m, const std::vector<Range>& sampled) 
   return values;
 }
 
-OutcomeModel model_of_member(const OutcomeModel& family, const FamilyMember& member) {
+namespace {
+
+/// Its box: the family's numbers are its own, and the rest is the family's at its scale.
+std::vector<Range> box_of(const FamilyMember& member, std::vector<Range> sampled) {
+  const double payload = largest_payload(sampled, member, kMostPayload) * member.mass;
+  for (const auto& [name, spread] : family_values(member, sampled))
+    sampled[index(name.c_str())] = {spread.low, spread.low};
+  for (const ScaledVariable& v : scaled_variables(member)) {
+    sampled[v.variable].minimum *= v.factor;
+    sampled[v.variable].maximum *= v.factor;
+  }
+  sampled[index("payload")] = {0, payload};
+  return sampled;
+}
+
+/// Points of the member as the family's. values: of family_values().
+std::vector<double> family_points(const FamilyMember& member, const Spreads& values, std::span<const double> points) {
+  const std::size_t width = campaign::contract().variables.size();
+  std::vector<double> result;
+  result.reserve(points.size());
+  for (std::size_t first = 0; first < points.size(); first += width) {
+    std::vector<double> point(points.begin() + std::ptrdiff_t(first), points.begin() + std::ptrdiff_t(first + width));
+    for (const auto& [name, spread] : values) point[index(name.c_str())] = spread.low;
+    point = family_point(member, point);
+    result.insert(result.end(), point.begin(), point.end());
+  }
+  return result;
+}
+
+outcome::FamilyQuestion question_of(const FamilyMember& member, const std::vector<Range>& sampled) {
+  outcome::FamilyQuestion question{
+      .vehicle = member.vehicle.name, .gravity = member.gravity, .lower = {}, .upper = {}, .in_family = {}};
+  for (const Range& range : box_of(member, sampled)) {
+    question.lower.push_back(range.minimum);
+    question.upper.push_back(range.maximum);
+  }
+  question.in_family = [member, values = family_values(member, sampled)](const std::vector<double>& points) {
+    return family_points(member, values, points);
+  };
+  return question;
+}
+
+}  // namespace
+
+std::shared_ptr<const outcome::Predictor> machine_of_member(const std::filesystem::path& file,
+                                                            const outcome::Predictor& family,
+                                                            const FamilyMember& member,
+                                                            const std::vector<Range>& sampled) {
+  return std::make_shared<const outcome::Predictor>(outcome::member_machine(
+      family, outcome::Teacher::read(file), question_of(member, sampled), outcome::MachineUse::answers));
+}
+
+OutcomeModel model_of_member(const OutcomeModel& family, const OutcomeModel& machine, const FamilyMember& member) {
   OutcomeModel model = family;
-  const auto to_family = [member](std::span<const double> points) {
-    const std::size_t width = campaign::contract().variables.size();
-    std::vector<double> own;
-    own.reserve(points.size());
-    for (std::size_t i = 0; i < points.size(); i += width) {
-      const std::vector<double> point = family_point(member, points.subspan(i, width));
-      own.insert(own.end(), point.begin(), point.end());
-    }
-    return own;
-  };
-  const auto at_family = [to_family](const auto& answer) {
-    return [to_family, answer](std::span<const double> points, auto... rest) { answer(to_family(points), rest...); };
-  };
-  model.probabilities = at_family(family.probabilities);
-  const auto at_felt = [member, to_family](const auto& answer) {
-    return [member, to_family, answer](std::span<const double> points, std::span<const double> slopes, auto... rest) {
-      answer(to_family(points), felt(member, slopes), rest...);
-    };
-  };
-  if (family.on_slopes) model.on_slopes = at_felt(family.on_slopes);
-  for (auto& answer : model.members) answer = at_family(answer);
+  model.probabilities = machine.probabilities;
+  model.on_slopes = machine.on_slopes;
+  model.members = machine.members;
   if (family.novelty)
     model.novelty = [member, novelty = family.novelty](std::span<const double> point) {
       return novelty(family_point(member, point));
     };
-  if (family.novelty_uphill) model.novelty_uphill = at_felt(family.novelty_uphill);
+  if (family.novelty_uphill)
+    model.novelty_uphill = [member, novelty = family.novelty_uphill](std::span<const double> point,
+                                                                     std::span<const double> slopes, auto result) {
+      novelty(family_point(member, point), felt(member, slopes), result);
+    };
   for (const ScaledVariable& v : scaled_variables(member)) {
     model.sampled[v.variable].minimum *= v.factor;
     model.sampled[v.variable].maximum *= v.factor;
   }
-  model.sampled[index("payload")] = {0, largest_payload(family.sampled, member) * member.mass};
+  model.sampled[index("payload")] = {0, largest_payload(family.sampled, member, kPayloadShare) * member.mass};
   model.gravity = member.gravity;
   model.vehicle = member.vehicle.name;
   model.whole_vehicle = true;
@@ -214,24 +253,20 @@ FamilyMember driven_member(const vehicle::Family& family, double family_gravity,
   return member;
 }
 
-/// `box`: sampled by the family's trials.
-campaign::Dataset in_family(const campaign::Dataset& own, const TrialVehicle& driven, const vehicle::Family& family,
-                            double family_gravity, const std::vector<Range>& box) {
-  return trials_in_family(
-      own, driven_member(family, family_gravity, driven.vehicle, driven.compliant_tyres, driven.gravity), box);
-}
-
 }  // namespace
 
-campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesystem::path& file) {
+AnsweredTrials answer_trials(const TrainedModel& model, const std::filesystem::path& file) {
   campaign::Dataset own = campaign::read_dataset(file);
-  if (drove_family(own, file) || !is_of_family(model)) return own;
+  if (drove_family(own, file) || !is_of_family(model)) return {own, own, model.predictor};
   require_family(model);
   const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
   if (!driven)
     throw InputError(file.string() + ": does not hold the files of its vehicle and soil, so that the model " +
                      model.file.string() + " of a family cannot be asked; give trials that hold them");
-  return in_family(own, *driven, *model.family, model.gravity, sampled_box(model));
+  const FamilyMember member =
+      driven_member(*model.family, model.gravity, driven->vehicle, driven->compliant_tyres, driven->gravity);
+  const std::vector<Range> box = sampled_box(model);
+  return {own, trials_in_family(own, member, box), machine_of_member(model.file, *model.predictor, member, box)};
 }
 
 std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& family_file,
@@ -255,7 +290,8 @@ std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& 
     const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
     if (!driven || drove_family(own, file))
       throw InputError(file.string() + ": --vehicles wants trials of one vehicle, with the files of vehicle and soil");
-    const campaign::Dataset seen = in_family(own, *driven, driven_family, gravity, box);
+    const campaign::Dataset seen = trials_in_family(
+        own, driven_member(driven_family, gravity, driven->vehicle, driven->compliant_tyres, driven->gravity), box);
     result.push_back({file_hash(file), driven->name, outcome::make_training_data(seen.records, std::nullopt).table});
   }
   return result;
@@ -270,44 +306,53 @@ std::vector<std::string> numbers_outside(const FamilyMember& m, const std::vecto
   return outside;
 }
 
-std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family, const vehicle::Vehicle& vehicle,
-                                                         bool compliant_tyres, double gravity) {
+namespace {
+
+/// `family`: empty for the one that ships. Throws InputError where there is none, or it is of no family.
+TrainedModel family_model(const std::string& family) {
   const std::optional<std::filesystem::path> file =
       family.empty() ? shipped_family_model() : std::optional(find_model(family));
-  if (!file) throw InputError("--from-family: no model of a family ships; name one with --family-model");
-  const TrainedModel model = read_trained_model(*file);
+  if (!file) throw InputError("no model of a family ships; name one with --family-model");
+  TrainedModel model = read_trained_model(*file);
   if (!is_of_family(model))
     throw InputError(file->string() + ": is no model of a family of vehicles; give one that is");
   require_family(model);
+  return model;
+}
+
+}  // namespace
+
+learning::Model model_for_vehicle(const std::string& family, const vehicle::Vehicle& vehicle, double gravity) {
+  const TrainedModel model = family_model(family);
+  const std::vector<Range> box = sampled_box(model);
+  const FamilyMember member = family_member(*model.family, model.gravity, vehicle, gravity);
+  if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
+    throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
+                     "; gonogo vehicle study says what trials of its own cost");
+  return outcome::member_machine(*model.predictor, outcome::Teacher::read(model.file), question_of(member, box),
+                                 outcome::MachineUse::samples);
+}
+
+std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family, const vehicle::Vehicle& vehicle,
+                                                         bool compliant_tyres, double gravity) {
+  const TrainedModel model = family_model(family);
   const std::vector<Range> box = sampled_box(model);
   const FamilyMember member = driven_member(*model.family, model.gravity, vehicle, compliant_tyres, gravity);
   if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
     throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
                      "; leave --from-family out");
-  const Spreads values = family_values(member, box);
-  const auto in_family = [=](const std::vector<double>& points) {
-    const std::size_t width = campaign::contract().variables.size();
-    std::vector<double> asked;
-    for (std::size_t first = 0; first < points.size(); first += width) {
-      std::vector<double> point(points.begin() + std::ptrdiff_t(first), points.begin() + std::ptrdiff_t(first + width));
-      for (const auto& [name, spread] : values) point[index(name.c_str())] = spread.low;
-      point = family_point(member, point);
-      asked.insert(asked.end(), point.begin(), point.end());
-    }
-    return asked;
-  };
-  const auto answer = [=, predictor = model.predictor](const std::vector<double>& points) {
-    std::vector<double> p(points.size() / campaign::contract().variables.size());
-    predictor->p_go(in_family(points), p);
-    return p;
+  const outcome::FamilyQuestion question = question_of(member, box);
+  const auto answer = [question, predictor = model.predictor,
+                       teacher = outcome::Teacher::read(model.file)](const std::vector<double>& points) {
+    return outcome::member_forecast(predictor->model(), teacher, question, points);
   };
   return std::make_shared<const outcome::Forecast>(
-      outcome::Forecast{.hash = file_hash(*file),
+      outcome::Forecast{.hash = file_hash(model.file),
                         .about = "forecast of the family " + member.family.name + " for " + member.vehicle.name,
                         .trials = model.dataset->records.size(),
                         .p_go = answer,
                         .table = outcome::make_training_data(model.dataset->records, std::nullopt).table,
-                        .in_family = in_family});
+                        .in_family = question.in_family});
 }
 
 std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family,

@@ -1,6 +1,7 @@
 // The model of a family, asked about one vehicle. Flow of grains under a wheel scales (vehicle/family/numbers.h), so
 // that trials at the family's size and gravity answer for members of any size, on any ground: each question is put in
-// the family's numbers, and each measure comes back in the member's metres and newtons.
+// the family's numbers, and each measure comes back in the member's metres and newtons. The family's teacher answers,
+// through a machine of the member's own variables that it teaches (outcome/training/member_machine.h).
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -43,9 +44,17 @@ std::vector<double> family_point(const FamilyMember& member, std::span<const dou
 /// spin long before the largest sampled force. `sampled`: box of the family's model.
 Spreads family_values(const FamilyMember& member, const std::vector<Range>& sampled);
 
-/// The family's model as one of the member. Its box is that of the family's trials at the member's scale. Payloads go
-/// to a quarter of the mass, as in trials of a vehicle's own, and no further than the family's range.
-OutcomeModel model_of_member(const OutcomeModel& family, const FamilyMember& member);
+/// The machine of the member. Its box is that of the family's trials at the member's scale. Payloads go to a quarter of
+/// the mass, as in trials of a vehicle's own, and no further than the family's range. file: of the family's model;
+/// sampled: its box. Throws InputError for a file without a teacher.
+std::shared_ptr<const outcome::Predictor> machine_of_member(const std::filesystem::path& file,
+                                                            const outcome::Predictor& family,
+                                                            const FamilyMember& member,
+                                                            const std::vector<Range>& sampled);
+
+/// A model of the member, whose machine answers. How far a point is from trials is the family's to say. machine: of
+/// machine_of_member().
+OutcomeModel model_of_member(const OutcomeModel& family, const OutcomeModel& machine, const FamilyMember& member);
 
 /// The family's trials as the member would have driven them: points and measures at its scale. Energies and torques
 /// keep their share of the weight. Payloads are none.
@@ -56,10 +65,16 @@ campaign::Dataset trials_of_member(const campaign::Dataset& family, const Family
 campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMember& member,
                                    const std::vector<Range>& sampled);
 
-/// The trials of a file in the variables of a model. Trials of one vehicle are put in the numbers of its family where
-/// the model is a family's; others are as the file has them. Throws InputError for a vehicle that is no member, and for
-/// trials that do not hold the file of their vehicle.
-campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesystem::path& dataset);
+/// Trials, and who answers for them.
+struct AnsweredTrials {
+  campaign::Dataset trials;                             // as the file has them
+  campaign::Dataset in_model;                           // in the variables of the model that was asked
+  std::shared_ptr<const outcome::Predictor> predictor;  // of `trials`
+};
+
+/// Trials of one vehicle are answered by its machine where the model is a family's, and by the model itself otherwise.
+/// Throws InputError for a vehicle that is no member, and for trials that do not hold the file of their vehicle.
+AnsweredTrials answer_trials(const TrainedModel& model, const std::filesystem::path& dataset);
 
 /// Trials of vehicles, each driven by itself, as points of the family that the trials of `family` drove. `design`: as
 /// make_training_data() takes it. Throws InputError where those drove one vehicle, these several, or none of the
@@ -67,6 +82,10 @@ campaign::Dataset read_trials_for(const TrainedModel& model, const std::filesyst
 std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& family,
                                                    const std::optional<Config>& design,
                                                    const std::vector<std::filesystem::path>& files);
+
+/// The machine of a vehicle of a family, of which rows can be drawn, too. No trial is made. family: as find_model()
+/// takes it, or empty for the one that ships. Throws InputError where there is none, and for a vehicle outside it.
+learning::Model model_for_vehicle(const std::string& family, const vehicle::Vehicle& vehicle, double gravity);
 
 /// What the model of a family says of a vehicle before any trial of its own. `family`: as find_model() takes it, or
 /// empty for the one that ships. Throws InputError where there is none, it is of no family, or the vehicle is no member

@@ -57,15 +57,20 @@ OutcomeModel outcome_model_of(const TrainedModel& trained) {
   return model;
 }
 
+/// Answers in place of a bootstrap member of a model.
+using MemberAnswer = std::function<std::shared_ptr<const outcome::Predictor>(
+    const std::filesystem::path& file, std::shared_ptr<const outcome::Predictor> predictor)>;
+
 /// Reads the bootstrap members of the model.
-void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files) {
+void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files, const MemberAnswer& answer) {
   for (const std::filesystem::path& file : files) {
-    const auto predictor = std::make_shared<const outcome::Predictor>(outcome::Predictor::read(file));
+    auto predictor = std::make_shared<const outcome::Predictor>(outcome::Predictor::read(file));
     for (std::size_t v = 0; v < model.sampled.size(); ++v)
       if (predictor->model().sampled_lower[v] != model.sampled[v].minimum ||
           predictor->model().sampled_upper[v] != model.sampled[v].maximum)
         throw InputError(file.string() + ": is no member of the model: its trials sampled another range of " +
                          campaign::contract().variables[v].name + "; make members with gonogo train --members");
+    if (answer) predictor = answer(file, predictor);
     model.member_hashes.push_back(file_hash(file));
     model.members.push_back([predictor](std::span<const double> points, std::span<double> result) {
       predictor->outcome_probabilities(points, result);
@@ -380,16 +385,26 @@ MapRequest read_map_request(const MapFiles& files) {
   MapRequest request;
   request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
   request.model = outcome_model_of(trained);
-  add_members(request.model, files.members);
   request.region = region_of(files, study);
   const std::filesystem::path vehicle =
       files.vehicle.empty() ? "" : shipped_file("vehicles", "vehicle", files.vehicle.string());
   check_family(trained, vehicle);
   if (trained.family) {
     const FamilyMember member = take_member(trained, vehicle, request.region);
-    request.rules.values.merge(family_values(member, request.model.sampled));
-    request.model = model_of_member(request.model, member);
+    const std::vector<Range> sampled = request.model.sampled;
+    const auto machine_of = [&](const std::filesystem::path& file, const auto& family) {
+      return machine_of_member(file, *family, member, sampled);
+    };
+    TrainedModel own = trained;
+    const bool is_inside = numbers_outside(member, sampled).empty();  // or every cell is unknown, whoever answers
+    if (is_inside) own.predictor = machine_of(trained.file, trained.predictor);
+    OutcomeModel machine = outcome_model_of(own);
+    add_members(machine, files.members, is_inside ? MemberAnswer(machine_of) : nullptr);
+    request.rules.values.merge(family_values(member, sampled));
+    request.model = model_of_member(request.model, machine, member);
     remark_member(request.model, trained, member, vehicle);
+  } else {
+    add_members(request.model, files.members, {});
   }
   if (!vehicle.empty()) require_vehicle(trained, vehicle);
   if (study) require_study(trained, files.study);

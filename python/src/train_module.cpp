@@ -94,8 +94,8 @@ Fitted fit(const ArrayIn<double, 2>& rows, const ArrayIn<std::int64_t, 1>& outco
 Members evaluate(const std::string& model, const std::string& dataset) {
   return members_of(long_call([&] {
     const map::TrainedModel trained = map::read_trained_model(model);
-    return outcome::to_json(
-        outcome::evaluate_model(*trained.predictor, map::read_trials_for(trained, dataset), dataset));
+    const map::AnsweredTrials asked = map::answer_trials(trained, dataset);
+    return outcome::to_json(outcome::evaluate_model(*asked.predictor, asked.trials, dataset));
   }));
 }
 

@@ -135,6 +135,34 @@ TEST_CASE("vehicle new writes a file that the other commands take, and keeps fil
 #endif
 }
 
+TEST_CASE("vehicle model writes what the family says of a vehicle, which other commands ask, sample and anneal") {
+  const TemporaryFolder folder;
+  const std::string file = folder / "buggy.json", model = folder / "buggy.h5", rows = folder / "rows.csv";
+  REQUIRE(run_gonogo(new_buggy(file)).exit_code == 0);
+  CHECK(answer({"model", file, "--out", model}).at("vehicle").string() == "buggy");
+  const auto p_go = [&](const char* slope) {
+    const Ending asked =
+        run_gonogo({"infer", "--model", model, "--set", std::string("slope_along=") + slope, "--json"});
+    REQUIRE(asked.exit_code == 0);
+    return Json::parse(asked.out, "stdout").at("p_go").number();
+  };
+  CHECK(p_go("-10") > 0.9);
+  CHECK(p_go("30") < 0.3);
+  CHECK(run_gonogo({"sample", "--model", model, "--rows", "50", "--out", rows}).exit_code == 0);
+  CHECK(contains(read_file(rows), "slope_along"));
+  CHECK(run_gonogo({"qubo", "export", "--model", model, "--out", folder / "problem.json"}).exit_code == 0);
+
+  check_refusal(run_gonogo({"vehicle", "model", "m113", "--out", folder / "m113.h5"}), 2, {"this is one on tracks"});
+  check_refusal(run_gonogo({"vehicle", "model", file, "--family-model", "hmmwv", "--out", folder / "no.h5"}), 2,
+                {"is no model of a family of vehicles; give one that is"});
+  Json heavy = Json::read(file);
+  heavy["chassis"]["mass_kg"] = 9000.0;
+  write_file_atomically(folder / "heavy.json", heavy.dump());
+  check_refusal(run_gonogo({"vehicle", "model", folder / "heavy.json", "--out", folder / "no.h5"}), 2,
+                {"lies outside the family", "load_number", "gonogo vehicle study"});
+  CHECK_FALSE(std::filesystem::exists(folder / "no.h5"));
+}
+
 TEST_CASE("vehicle new refuses sheets that make no vehicle, and writes nothing") {
   const TemporaryFolder folder;
   const std::string file = folder / "buggy.json";

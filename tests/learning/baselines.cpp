@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "learning/rbm/baselines.h"
+#include "learning/rbm/regression/baselines.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"
 #include "tests/support/catch.h"

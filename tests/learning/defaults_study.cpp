@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include "learning/rbm/baselines.h"
+#include "learning/rbm/regression/baselines.h"
 #include "learning/rbm/train.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"

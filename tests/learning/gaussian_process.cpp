@@ -1,19 +1,23 @@
 // The Gaussian process classifier beside a dense computation of Laplace's approximation that shares no formula with it:
 // Newton's method on the explicit inverse of K, determinants instead of the matrix B, finite differences for gradients.
-#include "learning/rbm/gaussian_process.h"
+#include "learning/rbm/regression/gaussian_process.h"
 
 #include <Eigen/Dense>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 
+#include "base/hdf5/hdf5.h"
 #include "base/math/random.h"
 #include "base/parallel/host_loop.h"
-#include "learning/rbm/baselines.h"
-#include "learning/rbm/dense/symmetric.h"
+#include "learning/rbm/regression/baselines.h"
+#include "learning/rbm/regression/fit_files.h"
+#include "learning/rbm/regression/symmetric.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::learning;
@@ -303,6 +307,39 @@ TEST_CASE("the regression agrees with dense algebra, leaves rows out by removing
       moved[k] += step;
       CHECK(dense.evidence(model.logs()) > dense.evidence(moved) - 0.01);
     }
+}
+
+TEST_CASE("fits that were written answer as before, and damaged ones are refused by their place") {
+  const TrainingTable table = boundary_table(60, 5, Boundary::curved), asked = boundary_table(40, 6, Boundary::curved);
+  const std::vector<int> label = labels_of(table);
+  std::vector<double> target;
+  for (std::size_t n = 0; n < table.row_count(); ++n) target.push_back(2 + std::tanh(table.row(n)[0]));
+  const GaussianProcessModel process = fit_gaussian_process(table, label, {.variances = false});
+  const GaussianRegression regression = fit_gaussian_regression(table, target);
+  const LogisticModel logistic = fit_logistic(table, label);
+  const TemporaryFolder folder;
+  {
+    Hdf5Writer out;
+    write_fit(out, "fits/process", process);
+    write_fit(out, "fits/regression", regression);
+    write_fit(out, "fits/logistic", logistic);
+    out.save(folder / "fits.h5");
+  }
+  const Hdf5Reader in(folder / "fits.h5");
+  CHECK(read_process(in, "fits/process").most_probable(asked.variables) == process.most_probable(asked.variables));
+  CHECK(read_regression(in, "fits/regression")(asked.variables) == regression(asked.variables));
+  CHECK(read_logistic(in, "fits/logistic").log_odds(asked.row(3)) == logistic.log_odds(asked.row(3)));
+
+  ProcessParts parts = process.parts();
+  parts.logs[0] = NAN;
+  {
+    Hdf5Writer damaged;
+    write_fit(damaged, "process", GaussianProcessModel(parts));
+    damaged.save(folder / "damaged.h5");
+  }
+  CHECK(contains(input_error([&] { read_process(Hdf5Reader(folder / "damaged.h5"), "process"); }),
+                 "process/logs: holds a value that is not a finite number; train the model again"));
+  CHECK(contains(input_error([&] { read_regression(in, "fits/process"); }), "fits/process/target"));
 }
 
 TEST_CASE("a row of weight two counts as the row twice") {

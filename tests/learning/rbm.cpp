@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/math/random.h"
-#include "learning/rbm/baselines.h"
+#include "learning/rbm/regression/baselines.h"
 #include "learning/sampler/exact.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"

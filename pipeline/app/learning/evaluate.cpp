@@ -40,8 +40,9 @@ void evaluate(const Globals& globals, const EvaluateOptions& options) {
   std::vector<outcome::MissingPoint> missing;
   if (held_out) {
     const map::TrainedModel trained = map::read_trained_model(model);
-    outcome::Evaluation evaluation = outcome::evaluate_model(
-        *trained.predictor, map::read_trials_for(trained, options.dataset), options.dataset.string(), options.rows);
+    const map::AnsweredTrials asked = map::answer_trials(trained, options.dataset);
+    outcome::Evaluation evaluation =
+        outcome::evaluate_model(*asked.predictor, asked.trials, options.dataset.string(), options.rows);
     report = outcome::to_json(evaluation);
     text = outcome::evaluation_text(evaluation) + shift_note(trained, options.dataset);
     scores = std::move(evaluation.scores);

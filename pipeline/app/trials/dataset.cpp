@@ -59,16 +59,18 @@ void add_export(CLI::App& parent, const Globals& globals) {
 }
 
 /// A row of every valid trial: variables in the family's numbers, whether it passed, forecasts.
-std::string forecasts_csv(const map::TrainedModel& family, const campaign::Dataset& trials) {
+std::string forecasts_csv(const map::TrainedModel& family, const map::AnsweredTrials& asked) {
   std::string text;
   for (const campaign::Variable& variable : campaign::contract().variables) text += variable.name + ",";
   text += "passed,p_go";
   for (const std::string& name : map::rival_names()) text += "," + name;
   text += "\n";
-  for (const campaign::TrialRecord& trial : trials.records) {
+  for (std::size_t n = 0; n < asked.trials.records.size(); ++n) {
+    const campaign::TrialRecord& trial = asked.in_model.records[n];
     if (trial.verdict == campaign::Verdict::unknown) continue;
     for (const double value : trial.point.variables) text += line("%.17g,", value);
-    text += line("%d,%.6g", campaign::passes(trial.verdict), family.predictor->p_go(trial.point.variables));
+    text += line("%d,%.6g", campaign::passes(trial.verdict),
+                 asked.predictor->p_go(asked.trials.records[n].point.variables));
     for (const double margin : map::rival_margins(trial.point.variables, family.family->diameter))
       text += line(",%.5f", margin);
     text += "\n";
@@ -90,8 +92,9 @@ void add_forecasts(CLI::App& parent, const Globals& globals) {
     const map::TrainedModel family = map::read_trained_model(map::find_model(options->model));
     if (!family.family)
       throw InputError(options->model + ": is no model of a family of vehicles with its trials beside it; give one");
-    const campaign::Dataset trials = map::read_trials_for(family, options->dataset);
-    write_file_atomically(options->out, forecasts_csv(family, trials));
+    const map::AnsweredTrials asked = map::answer_trials(family, options->dataset);
+    const campaign::Dataset& trials = asked.trials;
+    write_file_atomically(options->out, forecasts_csv(family, asked));
     Json result = Json::object();
     result["out"] = options->out;
     result["trials"] = std::uint64_t(trials.records.size());

@@ -74,6 +74,7 @@ void add_vehicle_command(CLI::App& app, const Globals& globals) {
   add_feasible(*command, globals);
   add_vci(*command, globals);
   add_vehicle_numbers(*command, globals);
+  add_vehicle_model(*command, globals);
   add_vehicle_study(*command, globals);
 }
 

@@ -1,4 +1,5 @@
-// gonogo vehicle numbers and study: a vehicle's place in the family, and a study of trials for it.
+// gonogo vehicle numbers, model and study: a vehicle's place in the family, what the family says of it, and a study of
+// trials for it.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +14,7 @@
 #include "pipeline/app/trials/vehicle_commands.h"
 #include "pipeline/campaign/setup/vehicle_study.h"
 #include "pipeline/inspect/vehicle_report.h"
+#include "pipeline/map/family_member.h"
 #include "vehicle/family/driveline_share.h"
 #include "vehicle/family/vehicle_numbers.h"
 
@@ -94,6 +96,27 @@ void write_study(const Globals& globals, const StudyOptions& o) {
                    shell_word(folder + "/model.h5") + " --dem elevation.tif --out out/map\n");
 }
 
+struct ModelOptions {
+  std::string vehicle, family;  // family: empty for the one that ships
+  std::filesystem::path out;
+  double gravity = kGravity;
+};
+
+void write_model(const Globals& globals, const ModelOptions& o) {
+  const vehicle::Vehicle v = vehicle::read_vehicle(inspect::vehicle_file(o.vehicle));
+  const learning::Model model = map::model_for_vehicle(o.family, v, o.gravity);
+  learning::write_model(o.out, model);
+  Json result = Json::object();
+  result["file"] = o.out.string();
+  result["vehicle"] = v.name;
+  const std::string file = shell_word(o.out.string());
+  print_result(globals, result,
+               "written to " + o.out.string() + ": what the family says of " + v.name +
+                   ", without a trial of its own\n" + "next\n  gonogo infer --model " + file +
+                   " --set slope_along=12 friction_angle=33\n  gonogo sample --model " + file +
+                   " --rows 1000 --out rows.csv\n  gonogo qubo export --model " + file + " --out problem.json\n");
+}
+
 template <class Options>
 void add_gravity(CLI::App& command, Options& options) {
   add_number(command, "--gravity", options.gravity, {0.1, 30.0}, "Gravity where it drives [m/s2]");
@@ -109,6 +132,19 @@ void add_vehicle_numbers(CLI::App& vehicle, const Globals& globals) {
   add_gravity(*command, *options);
   add_examples(*command, {"gonogo vehicle numbers hmmwv", "gonogo vehicle numbers viper --gravity 1.62"});
   command->callback([&globals, options] { show_numbers(globals, *options); });
+}
+
+void add_vehicle_model(CLI::App& vehicle, const Globals& globals) {
+  CLI::App* command = vehicle.add_subcommand(
+      "model", "Write a model of the vehicle that its family's teacher taught, to infer, sample and anneal");
+  const auto options = std::make_shared<ModelOptions>();
+  add_named(*command, "vehicle", options->vehicle, kVehicle, "Vehicle")->required();
+  add_gravity(*command, *options);
+  add_named(*command, "--family-model", options->family, kModel, "Model of its family; by default the one that ships");
+  add_named(*command, "--out", options->out, kFile, "Model file to write")->required();
+  add_examples(*command, {"gonogo vehicle model buggy.json --out out/buggy.h5",
+                          "gonogo vehicle model viper --gravity 1.62 --out out/viper.h5"});
+  command->callback([&globals, options] { write_model(globals, *options); });
 }
 
 void add_vehicle_study(CLI::App& vehicle, const Globals& globals) {

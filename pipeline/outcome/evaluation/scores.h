@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/json/json.h"
-#include "learning/rbm/baselines.h"
-#include "learning/rbm/gaussian_process.h"
+#include "learning/rbm/regression/baselines.h"
+#include "learning/rbm/regression/gaussian_process.h"
 #include "learning/score/score.h"
 #include "learning/training.h"
 

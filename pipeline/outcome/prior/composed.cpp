@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "learning/rbm/regression/fit_files.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/outcome/training_data.h"
@@ -166,6 +167,45 @@ std::vector<double> ComposedVehicle::inputs(std::span<const double> points) cons
   for (const ComposedMargins& m : margins(points))
     result.insert(result.end(), {m.traction, m.drive, m.clearance, m.standing});
   return result;
+}
+
+void ComposedVehicle::write(Hdf5Writer& out, const std::string& group) const {
+  std::vector<double> lower, upper;
+  for (const Range& range : box_) {
+    lower.push_back(range.minimum);
+    upper.push_back(range.maximum);
+  }
+  out.array(group + "/box/lower", lower);
+  out.array(group + "/box/upper", upper);
+  out.array(group + "/scales", std::vector<double>{unit_speed_, scale_, wheel_diameter_});
+  out.attribute(
+      group + "/scales", "description",
+      "sqrt(g D) of the vehicles' wheels [m/s]; diameter of the trials' wheels over theirs [-], and itself [m]");
+  learning::write_fit(out, group + "/pull", pull_);
+  learning::write_fit(out, group + "/side_force", side_force_);
+  learning::write_fit(out, group + "/sinkage", sinkage_);
+}
+
+ComposedVehicle ComposedVehicle::read(const Hdf5Reader& in, const std::string& group) {
+  const std::size_t variables = campaign::contract().variables.size();
+  const auto lower = in.array<double>(group + "/box/lower", Shape{variables});
+  const auto upper = in.array<double>(group + "/box/upper", Shape{variables});
+  const auto scales = in.array<double>(group + "/scales", Shape{3});
+  ComposedVehicle vehicle;
+  for (std::size_t v = 0; v < variables; ++v) vehicle.box_.push_back({lower[v], upper[v]});
+  vehicle.unit_speed_ = scales[0];
+  vehicle.scale_ = scales[1];
+  vehicle.wheel_diameter_ = scales[2];
+  const auto regression = [&](const char* name) {
+    learning::GaussianRegression read = learning::read_regression(in, group + name);
+    if (read.parts().scaling.mean.size() != kInputsOfWheel)
+      in.fail(group + name, "has other inputs than this program's; train the model again");
+    return read;
+  };
+  vehicle.pull_ = regression("/pull");
+  vehicle.side_force_ = regression("/side_force");
+  vehicle.sinkage_ = regression("/sinkage");
+  return vehicle;
 }
 
 }  // namespace gonogo::outcome

@@ -13,9 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "base/hdf5/hdf5.h"
 #include "base/json/config.h"
 #include "base/units.h"
-#include "learning/rbm/gaussian_process.h"
+#include "learning/rbm/regression/gaussian_process.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "vehicle/family/vehicle_numbers.h"
 
@@ -52,10 +53,16 @@ class ComposedVehicle {
   std::vector<double> side_force(std::span<const double> points) const;
   std::vector<double> sinkage(std::span<const double> points) const;
 
+  /// As a group of a file, and from there, with the same answers.
+  void write(Hdf5Writer& out, const std::string& group) const;
+  static ComposedVehicle read(const Hdf5Reader& in, const std::string& group);
+
  private:
-  double unit_speed_;              // sqrt(g D) of the vehicle's wheels [m/s]
-  double scale_, wheel_diameter_;  // of lengths, from the vehicle's wheels to those of the trials; of these [m]
-  std::vector<Range> box_;         // of the trials, by variable
+  ComposedVehicle() = default;
+
+  double unit_speed_ = 0;                  // sqrt(g D) of the vehicle's wheels [m/s]
+  double scale_ = 1, wheel_diameter_ = 1;  // of lengths, from the vehicle's wheels to those of the trials; of these [m]
+  std::vector<Range> box_;                 // of the trials, by variable
   learning::GaussianRegression pull_, side_force_, sinkage_;
 
   ComposedMargins margins_of(std::span<const double> asked) const;

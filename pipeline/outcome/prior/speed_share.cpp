@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/units.h"
+#include "learning/rbm/regression/fit_files.h"
 #include "pipeline/campaign/study/contract.h"
 
 namespace gonogo::outcome {
@@ -71,6 +72,17 @@ std::vector<double> SpeedShare::operator()(const std::vector<double>& points,
   std::vector<double> shares = regression_(with_input(points, width_, excess_of_slope));
   for (std::size_t k = 0; k < expected.size(); ++k) shares[k] += expected[k];
   return shares;
+}
+
+void SpeedShare::write(Hdf5Writer& out, const std::string& group) const {
+  learning::write_fit(out, group, regression_);
+}
+
+SpeedShare SpeedShare::read(const Hdf5Reader& in, const std::string& group) {
+  learning::GaussianRegression regression = learning::read_regression(in, group);
+  const std::size_t inputs = regression.parts().scaling.mean.size();
+  if (inputs < 2) in.fail(group, "has too few inputs; train the model again");
+  return {inputs - 1, std::move(regression)};  // the last is what the slope needs
 }
 
 }  // namespace gonogo::outcome

@@ -2,9 +2,12 @@
 // more of a trial than whether it passes.
 #pragma once
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "learning/rbm/gaussian_process.h"
+#include "base/hdf5/hdf5.h"
+#include "learning/rbm/regression/gaussian_process.h"
 #include "learning/training.h"
 
 namespace gonogo::outcome {
@@ -43,7 +46,16 @@ class SpeedShare {
   /// points: [point count x the table's width]; expected: as for the rows.
   std::vector<double> operator()(const std::vector<double>& points, const std::vector<double>& expected = {}) const;
 
+  std::size_t width() const { return width_; }  // of the table
+
+  /// As a group of a file, and from there, without of_rows().
+  void write(Hdf5Writer& out, const std::string& group) const;
+  static SpeedShare read(const Hdf5Reader& in, const std::string& group);
+
  private:
+  SpeedShare(std::size_t width, learning::GaussianRegression regression)
+      : width_(width), regression_(std::move(regression)) {}
+
   std::size_t width_;
   learning::GaussianRegression regression_;
 };

@@ -5,8 +5,10 @@
 #include <span>
 #include <utility>
 
+#include "base/error.h"
 #include "base/math/random.h"
-#include "learning/rbm/gaussian_process.h"
+#include "base/parallel/host_loop.h"
+#include "learning/rbm/regression/fit_files.h"
 #include "pipeline/campaign/design/sobol.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/outcome/training_data.h"
@@ -19,15 +21,19 @@ TeacherShare teacher_share(const LearningSettings& settings) {
   return {weight, is_box ? weight / (1 + weight) : 0};
 }
 
+bool samples_vehicles(const std::vector<double>& lower, const std::vector<double>& upper) {
+  const std::vector<campaign::Variable>& variables = campaign::contract().variables;
+  for (std::size_t v = 0; v < lower.size(); ++v)
+    if (campaign::is_family_variable(variables[v]) && lower[v] < upper[v]) return true;
+  return false;
+}
+
 namespace {
 
 /// Rows of other trials at the own fidelity, if they drove vehicles of a family whose numbers the box samples.
 std::vector<std::size_t> family_rows(const OtherTrials& others, const std::vector<double>& lower,
                                      const std::vector<double>& upper) {
-  const std::vector<campaign::Variable>& variables = campaign::contract().variables;
-  bool is_family = false;
-  for (std::size_t v = 0; v < lower.size(); ++v)
-    is_family = is_family || (campaign::is_family_variable(variables[v]) && lower[v] < upper[v]);
+  const bool is_family = samples_vehicles(lower, upper);
   std::vector<std::size_t> rows;
   for (std::size_t n = 0; is_family && n < others.table.row_count(); ++n) {
     const std::span<const double> fidelity = others.table.row(n).subspan(lower.size());
@@ -212,6 +218,60 @@ std::vector<double> Teacher::operator()(const std::vector<double>& points) const
   return p;
 }
 
+std::vector<double> Teacher::of_many(const std::vector<double>& points) const {
+  constexpr std::size_t kBlock = 128;  // points
+  const std::size_t count = points.size() / variables_;
+  std::vector<double> result(count);
+  for_each_on_host((count + kBlock - 1) / kBlock, 1, [&](std::size_t block) {
+    const std::size_t first = block * kBlock, end = std::min(count, first + kBlock);
+    const std::vector<double> p = (*this)(
+        {points.begin() + std::ptrdiff_t(first * variables_), points.begin() + std::ptrdiff_t(end * variables_)});
+    std::copy(p.begin(), p.end(), result.begin() + std::ptrdiff_t(first));
+  });
+  return result;
+}
+
+void Teacher::write(Hdf5Writer& out) const {
+  GONOGO_ASSERT(!known_.forecast);
+  const std::string group = kTeacherGroup;
+  out.group(group);
+  out.attribute(group, "description", "two Gaussian processes that say P(go) beside the machine, which they taught");
+  out.array(group + "/fidelity", known_.own);
+  learning::write_fit(out, group + "/plain", plain_);
+  if (known_.composed) known_.composed->write(out, group + "/composed");
+  if (!graded_) return;
+  graded_->share.write(out, group + "/graded/share");
+  learning::write_fit(out, group + "/graded/passes", graded_->passes);
+  learning::write_fit(out, group + "/graded/rest", graded_->rest);
+}
+
+Teacher Teacher::read(const std::filesystem::path& file) {
+  const Hdf5Reader in(file);
+  const std::string group = kTeacherGroup;
+  if (!in.has(group)) in.fail("/", "holds no teacher, which answers for single vehicles; train the model again");
+  Teacher teacher;
+  teacher.variables_ = campaign::contract().variables.size();
+  teacher.known_.own = in.array<double>(group + "/fidelity");
+  std::size_t inputs = teacher.variables_ + teacher.known_.own.size() + 1;  // and the size across
+  if (in.has(group + "/composed")) {
+    teacher.known_.composed = std::make_shared<const ComposedVehicle>(ComposedVehicle::read(in, group + "/composed"));
+    inputs += ComposedVehicle::kInputs;
+  }
+  const auto process = [&](const std::string& name) {
+    learning::GaussianProcessModel read = learning::read_process(in, group + name);
+    if (read.parts().scaling.mean.size() != inputs)
+      in.fail(group + name, "has other inputs than this program's; train the model again");
+    return read;
+  };
+  teacher.plain_ = process("/plain");
+  if (!in.has(group + "/graded")) return teacher;
+  teacher.graded_.emplace(Graded{SpeedShare::read(in, group + "/graded/share"),
+                                 learning::read_logistic(in, group + "/graded/passes"), process("/graded/rest")});
+  if (teacher.graded_->share.width() != inputs || teacher.graded_->passes.mean.size() != 1)
+    in.fail(group + "/graded", "has other inputs than this program's; train the model again");
+  return teacher;
+}
+
 std::vector<double> process_baseline(const learning::TrainingTable& rows, const OtherTrials& others,
                                      const std::vector<double>& points) {
   const learning::TrainingTable table = others.joined(rows);
@@ -228,13 +288,6 @@ std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, TaughtPoi
                                                                        .label = passable_outcomes(),
                                                                        .joint_share = share.joint_share,
                                                                        .joint_every = points.joint_every});
-}
-
-std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    TaughtPoints points, TeacherShare share) {
-  if (share.weight == 0) return nullptr;
-  std::vector<double> probability = Teacher(table, others)(points.values);
-  return teaching(share, std::move(points), std::move(probability));
 }
 
 }  // namespace gonogo::outcome

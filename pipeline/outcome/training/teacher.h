@@ -18,18 +18,23 @@
 // For a family of vehicles, trials of its wheels by themselves are the coarse fidelity. Both processes then see the
 // margins of the vehicle that is composed of such wheels beside the variables (composed.h).
 #pragma once
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "learning/rbm/gaussian_process.h"
-#include "learning/rbm/train.h"
+#include "base/hdf5/hdf5.h"
+#include "learning/rbm/regression/gaussian_process.h"
+#include "learning/rbm/words/teaching.h"
 #include "learning/training.h"
 #include "pipeline/outcome/prior/other_trials.h"
 #include "pipeline/outcome/prior/speed_share.h"
 #include "pipeline/outcome/training_data.h"
 
 namespace gonogo::outcome {
+
+/// Whether a box of variables samples numbers of a family's vehicles.
+bool samples_vehicles(const std::vector<double>& lower, const std::vector<double>& upper);
 
 /// Points that a teacher labels.
 struct TaughtPoints {
@@ -43,14 +48,25 @@ struct TaughtPoints {
 TaughtPoints taught_points(const std::vector<double>& lower, const std::vector<double>& upper, std::size_t count,
                            std::uint64_t seed, const OtherTrials& others);
 
+inline constexpr const char* kTeacherGroup = "teacher";
+
 class Teacher {
  public:
   /// Learns these rows of the model's own trials and all others. The second process is left out without margins.
   Teacher(const learning::TrainingTable& rows, const OtherTrials& others);
   /// P(go) of points at the own fidelity [point count x variables].
   std::vector<double> operator()(const std::vector<double>& points) const;
+  /// The same on all threads. The bits do not depend on their number.
+  std::vector<double> of_many(const std::vector<double>& points) const;
+
+  /// As the group kTeacherGroup of a file, and from there, with the same answers. One that started from a forecast
+  /// cannot be written. Throws InputError for a file without that group, or with a damaged one.
+  void write(Hdf5Writer& out) const;
+  static Teacher read(const std::filesystem::path& file);
 
  private:
+  Teacher() = default;
+
   /// The second process.
   struct Graded {
     SpeedShare share;                     // r
@@ -63,7 +79,7 @@ class Teacher {
   /// What the logistic model of the second mean sees: r, after the variables and the size across beside a forecast.
   std::vector<double> with_share(const std::vector<double>& points, const std::vector<double>& shares) const;
 
-  std::size_t variables_;
+  std::size_t variables_ = 0;
   OtherTrials known_;                                  // of the own trials, without rows
   std::optional<learning::LogisticModel> correction_;  // c + w.x beside a forecast
   learning::GaussianProcessModel plain_;
@@ -86,10 +102,5 @@ TeacherShare teacher_share(const LearningSettings& settings);
 /// probability: P(go) of the points.
 std::shared_ptr<const learning::Teaching> teaching(TeacherShare share, TaughtPoints points,
                                                    std::vector<double> probability);
-
-/// The teaching of a machine for all rows of `table`, whose weights the process takes too, at these points; none for
-/// weight 0.
-std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    TaughtPoints points, TeacherShare share);
 
 }  // namespace gonogo::outcome

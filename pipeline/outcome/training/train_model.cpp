@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <mutex>
 
@@ -245,7 +246,16 @@ class Teachers {
   }
   /// Fits the last one if it was not kept. It may run beside other work of a training, and is kept by keep_last().
   void fit_last() {
-    if (!answers_[last()]) answers_[last()] = ProcessAnswers{{}, taught(last())};
+    if (!answers_[last()])
+      answers_[last()] = ProcessAnswers{{}, in_.teacher.weight > 0 ? of_all()(points_.values) : std::vector<double>()};
+  }
+  /// The last one, which is fitted where its answers were kept. Not to be called beside fit_last().
+  const Teacher& of_all() {
+    if (!of_all_) {
+      const Rows rows = rows_of(last());
+      of_all_.emplace(rows.seen, rows.others);
+    }
+    return *of_all_;
   }
   void keep_last() const { kept_.keep_process(last(), *answers_[last()]); }
 
@@ -290,6 +300,7 @@ class Teachers {
   const TaughtPoints& points_;
   const KeptWork& kept_;
   std::vector<std::optional<ProcessAnswers>> answers_;  // [machine]
+  std::optional<Teacher> of_all_;
 };
 
 /// Folds of a stand-in are not kept: the run that continues would not know of it.
@@ -426,6 +437,15 @@ void describe_trials(const Inputs& in, learning::Model& model) {
   if (in.settings.uniform_inputs) model.input_prior = learning::uniform_prior(model.layout);
 }
 
+/// Writes the model. That of a family holds its teacher, too, which answers for single vehicles.
+void write_trained(const fs::path& file, const learning::Model& model, const Inputs& in,
+                   const std::function<const Teacher&()>& teacher) {
+  const bool is_of_family = in.teacher.weight > 0 && samples_vehicles(in.data.lower, in.data.upper);
+  learning::write_model(file, model, [&](Hdf5Writer& out) {
+    if (is_of_family && !in.others.forecast) teacher().write(out);
+  });
+}
+
 }  // namespace
 
 void take_study(TrainRequest& request, const std::filesystem::path& study, std::optional<std::uint64_t> seed) {
@@ -517,7 +537,7 @@ TrainingReport train_model(const TrainRequest& request) {
                         .folds = folds,
                         .joint = scored_joint(Predictor(model), table, request.seed)};
   model.provenance = to_json(report);
-  learning::write_model(request.model, model);
+  write_trained(request.model, model, in, [&]() -> const Teacher& { return teachers.of_all(); });
   if (!request.members_follow) kept.remove();
   return report;
 }
@@ -563,15 +583,16 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     reweigh(table, request.seed, member);
     in.training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
-    const auto lesson =
-        teach_all(table, in.others,
-                  taught_points(in.data.lower, in.data.upper, in.settings.taught_points, in.training.seed, in.others),
-                  in.teacher);
+    const TaughtPoints points =
+        taught_points(in.data.lower, in.data.upper, in.settings.taught_points, in.training.seed, in.others);
+    std::optional<Teacher> teacher;
+    if (in.teacher.weight > 0) teacher.emplace(table, in.others);
+    const auto lesson = teacher ? teaching(in.teacher, points, (*teacher)(points.values)) : nullptr;
     model.weights = train_rbm(base.layout, table, in.training, *sampler, {}, nullptr, lesson.get()).weights;
     shift_odds(base.layout, read_report(base.provenance).odds.shift, base.calibration_power, model.weights);
     balance(base.layout, table, in.training, lesson.get(), model.weights);
     model.provenance["member"] = member;
-    learning::write_model(files.back(), model);
+    write_trained(files.back(), model, in, [&]() -> const Teacher& { return *teacher; });
     kept.keep_member(files.back());
     progress.update(std::size_t(member), "", reused);
   }

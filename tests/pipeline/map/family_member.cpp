@@ -2,6 +2,8 @@
 // gravity, in closed form and through files.
 #include "pipeline/map/family_member.h"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -134,22 +136,19 @@ TEST_CASE("a driveline that shares torque asks for a steeper slope, at each slop
   };
   CHECK(felt(-12) == -12);
   CHECK(felt(12) > 12.2);
-  // A model whose P(go) tells the slope that it was asked, one by one and on a grid.
+  // A model whose distance from trials tells the slope that it was asked, one by one and uphill.
   OutcomeModel family;
   family.sampled.assign(contract().variables.size(), {-45, 45});
-  family.probabilities = [](std::span<const double> points, std::span<double> result) {
-    result[0] = points[index("slope_along")];
+  family.novelty = [](std::span<const double> point) { return point[index("slope_along")]; };
+  family.novelty_uphill = [](std::span<const double>, std::span<const double> along, std::span<double> result) {
+    std::copy(along.begin(), along.end(), result.begin());
   };
-  family.on_slopes = [](std::span<const double>, std::span<const double> along, std::span<const double>,
-                        std::span<double> result) { std::copy(along.begin(), along.end(), result.begin()); };
-  const OutcomeModel model = model_of_member(family, member);
+  const OutcomeModel model = model_of_member(family, {}, member);
   const std::vector<double> along = {-12, 0, 12, 20};
-  std::vector<double> on_grid(along.size()), one(1);
-  model.on_slopes(point_of({}), along, std::array{0.0}, on_grid);
-  for (std::size_t k = 0; k < along.size(); ++k) {
-    model.probabilities(point_of({{"slope_along", along[k]}}), one);
-    CHECK(on_grid[k] == one[0]);
-  }
+  std::vector<double> uphill(along.size());
+  model.novelty_uphill(point_of({}), along, uphill);
+  for (std::size_t k = 0; k < along.size(); ++k)
+    CHECK(uphill[k] == model.novelty(point_of({{"slope_along", along[k]}})));
   // A trial of the family is one of the member on the slope that feels so.
   TrialRecord record;
   record.point.variables = point_of({{"slope_along", felt(12)}});
@@ -286,7 +285,7 @@ bool says(const MapSummary& summary, const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("a map of a vehicle that no trial drove is its family's answer at its numbers, and says so") {
+TEST_CASE("a map of a vehicle that no trial drove is answered by its machine, which its family's teacher taught") {
   const TemporaryFolder folder;
   const fs::path model = copy_family(folder);
   write_region(folder);
@@ -297,41 +296,110 @@ TEST_CASE("a map of a vehicle that no trial drove is its family's answer at its 
   const MapSummary summary = make_map(request);
   CHECK(says(summary, "no trial drove the vehicle hmmwv: 400 trials of other vehicles of the family wheeled_family"));
   std::vector<double> point = point_of({{"friction_angle", 30},
+                                        {"cohesion", 4},
+                                        {"relative_density", 0.5},
+                                        {"tyre_friction", 0.8},
+                                        {"bed_depth", 0.235},
+                                        {"commanded_speed", 1.939}});
+  const FamilyMember member = family_member(wheeled(), kGravity, hmmwv, kGravity);
+  const TrainedModel family = read_trained_model(model);
+  const auto machine = machine_of_member(model, *family.predictor, member, sampled_box(family));
+  const terrain::Tile p_go = terrain::RasterSource::open_as_it_lies(files.out / "p_go.tif").read({5, 5, 1, 1});
+  const auto dem = terrain::RasterSource::open_elevation(folder / "dem.tif");
+  const terrain::Tile slope = terrain::slope_degrees(dem.read({4, 4, 3, 3}), {10, 10});
+  point[index("slope_along")] = rounded_slope(slope.at(0, 0));
+  CHECK(p_go.at(0, 0) == Approx(machine->p_go(point)).margin(1e-6));
+
+  // The teacher, asked at the vehicle's numbers and the family's scale.
+  std::vector<double> asked = point_of({{"friction_angle", 30},
                                         {"cohesion", 4 / diameter},
                                         {"relative_density", 0.5},
                                         {"tyre_friction", 0.8},
                                         {"bed_depth", 0.235 / diameter},
                                         {"commanded_speed", 1.939 / std::sqrt(diameter)}});
-  const FamilyMember member = family_member(wheeled(), kGravity, hmmwv, kGravity);
-  set_numbers(point, member);
-  const outcome::Predictor trained = outcome::Predictor::read(model);
-  std::vector<double> outcome(contract().outcomes.size());
-  const terrain::Tile p_go = terrain::RasterSource::open_as_it_lies(files.out / "p_go.tif").read({5, 5, 1, 1});
-  const auto dem = terrain::RasterSource::open_elevation(folder / "dem.tif");
-  const terrain::Tile slope = terrain::slope_degrees(dem.read({4, 4, 3, 3}), {10, 10});
-  point[index("slope_along")] =
+  set_numbers(asked, member);
+  asked[index("slope_along")] =
       to_degrees(vehicle::felt_slope(hmmwv, member.numbers, to_radians(rounded_slope(slope.at(0, 0)))));
-  trained.outcome_probabilities(point, outcome);
-  double p = 0;
-  for (std::size_t o = 0; o < outcome.size(); ++o)
-    if (passes(contract().outcomes[o].verdict)) p += outcome[o];
-  CHECK(p_go.at(0, 0) == Approx(p).margin(1e-6));
+  CHECK(p_go.at(0, 0) == Approx(outcome::Teacher::read(model)(asked)[0]).margin(0.05));
+}
+
+TEST_CASE("the teacher in the file of a family's model answers as the one that taught it, to the last bit") {
+  const TemporaryFolder folder;
+  const fs::path model = copy_family(folder);
+  const learning::TrainingTable table = outcome::make_training_data(made_trials(), {}).table;
+  const outcome::Teacher taught(table, {}), read = outcome::Teacher::read(model);
+  CHECK(read(table.variables) == taught(table.variables));
+  CHECK(read.of_many(table.variables) == taught.of_many(table.variables));
+  const std::string hmmwv = (fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm/model.h5").string();
+  CHECK(contains(input_error([&] { outcome::Teacher::read(hmmwv); }),
+                 "holds no teacher, which answers for single vehicles; train the model again"));
+}
+
+TEST_CASE("a machine of one vehicle follows the shipped family's teacher, and its rows pass as often") {
+  const TrainedModel family = read_trained_model(find_model("wheeled_family_32mm"));
+  const outcome::Teacher teacher = outcome::Teacher::read(family.file);
+  const vehicle::Vehicle fed = vehicle::read_vehicle(kConfigs / "vehicles/fed_alpha.json");
+  const FamilyMember member = family_member(*family.family, family.gravity, fed, kGravity);
+  const std::vector<Range> box = sampled_box(family);
+  const auto answers = machine_of_member(family.file, *family.predictor, member, box);
+  const learning::Model samples = model_for_vehicle("wheeled_family_32mm", fed, kGravity);
+  CHECK(samples.provenance.at("member").string() == "fed_alpha");
+  // Points of its box, put to the teacher in the family's numbers.
+  const learning::Model& machine = answers->model();
+  double of_answers = 0, of_samples = 0, passable = 0;
+  const outcome::Predictor drawn(samples);
+  constexpr std::size_t kAsked = 1000;
+  for (std::size_t n = 0; n < kAsked; ++n) {
+    std::vector<double> point(box.size());
+    for (std::size_t v = 0; v < box.size(); ++v)
+      point[v] =
+          machine.sampled_lower[v] + (machine.sampled_upper[v] - machine.sampled_lower[v]) * random_unit(11, n, v);
+    const double p = teacher(family_point(member, point))[0];
+    of_answers += std::pow(answers->p_go(point) - p, 2) / kAsked;
+    of_samples += std::pow(drawn.p_go(point) - p, 2) / kAsked;
+    passable += p / kAsked;
+  }
+  std::printf("off the teacher by %.3f (answers), %.3f (samples), rms\n", std::sqrt(of_answers), std::sqrt(of_samples));
+  CHECK(of_answers < 0.05 * 0.05);
+  CHECK(of_samples < 0.05 * 0.05);
+  // Rows of the whole machine, where nothing is known: its joint distribution passes as often as the box.
+  const learning::JointAnswer all = drawn.reconstruct(std::vector<double>(box.size(), NAN), std::nullopt);
+  double rows = 0;
+  for (std::size_t y = 0; y < contract().outcomes.size(); ++y)
+    rows += passes(contract().outcomes[y].verdict) * all.outcome.probability[y];
+  CHECK(rows == Approx(passable).margin(0.04));
+}
+
+TEST_CASE("a machine of one vehicle has the same bits for any number of threads") {
+  const TemporaryFolder folder;
+  const fs::path model = copy_family(folder);
+  const TrainedModel family = read_trained_model(model);
+  const FamilyMember member =
+      family_member(wheeled(), kGravity, vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
+  const int usual = omp_get_max_threads();
+  std::vector<std::vector<double>> weights;
+  for (const int threads : {1, 3}) {
+    omp_set_num_threads(threads);
+    weights.push_back(machine_of_member(model, *family.predictor, member, sampled_box(family))->model().weights.weight);
+  }
+  omp_set_num_threads(usual);
+  CHECK(weights[0] == weights[1]);
 }
 
 TEST_CASE("a family's model is scored on trials of one vehicle at the vehicle's numbers") {
   const TemporaryFolder folder;
   const TrainedModel family = read_trained_model(copy_family(folder));
   const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm_unsolved/fresh.h5";
-  const Dataset asked = read_trials_for(family, fresh);
+  const AnsweredTrials asked = answer_trials(family, fresh);
   const FamilyMember member =
       family_member(wheeled(), kGravity, vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
   std::vector<double> first = read_dataset(fresh).records.front().point.variables;
   set_numbers(first, member);
-  CHECK(family_point(member, first) == asked.records.front().point.variables);
+  CHECK(family_point(member, first) == asked.in_model.records.front().point.variables);
   double sum = 0;
-  for (const TrialRecord& trial : asked.records)
-    sum += std::pow(std::min(1.0, family.predictor->p_go(trial.point.variables)) - double(passes(trial.verdict)), 2);
-  const outcome::Evaluation scored = outcome::evaluate_model(*family.predictor, asked, "fresh");
+  for (const TrialRecord& trial : asked.trials.records)
+    sum += std::pow(std::min(1.0, asked.predictor->p_go(trial.point.variables)) - double(passes(trial.verdict)), 2);
+  const outcome::Evaluation scored = outcome::evaluate_model(*asked.predictor, asked.trials, "fresh");
   CHECK(scored.trials == 400);
   CHECK(scored.scores.model().brier.value == Approx(sum / 400));
 }
@@ -382,7 +450,7 @@ TEST_CASE(
   REQUIRE(vehicles.size() == 2);
   CHECK(vehicles[1].vehicle == "viper");
   CHECK(vehicles[1].hash == file_hash(viper));
-  const Dataset asked = read_trials_for(family, viper);
+  const Dataset asked = answer_trials(family, viper).in_model;
   REQUIRE(vehicles[1].table.row_count() == asked.records.size());
   for (std::size_t n = 0; n < asked.records.size(); ++n)
     REQUIRE(std::equal(vehicles[1].table.row(n).begin(), vehicles[1].table.row(n).end(),
@@ -483,6 +551,6 @@ TEST_CASE("a family's model is refused without a vehicle, for tracks, and where 
       "it; put their dataset.h5 into its folder";
   CHECK(contains(refusal("hmmwv"), no_trials));
   const fs::path fresh = fs::path(GONOGO_SOURCE_DIR) / "data/hmmwv_32mm_unsolved/fresh.h5";
-  CHECK(contains(input_error([&] { read_trials_for(read_trained_model(model), fresh); }), no_trials));
+  CHECK(contains(input_error([&] { answer_trials(read_trained_model(model), fresh); }), no_trials));
   CHECK_FALSE(fs::exists(folder / "refused"));
 }

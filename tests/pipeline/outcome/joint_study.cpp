@@ -19,8 +19,8 @@
 #include <sstream>
 
 #include "base/math/random.h"
-#include "learning/rbm/baselines.h"
-#include "learning/rbm/gaussian_process.h"
+#include "learning/rbm/regression/baselines.h"
+#include "learning/rbm/regression/gaussian_process.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/outcome/active/choose.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"

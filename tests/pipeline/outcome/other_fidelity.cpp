@@ -10,7 +10,7 @@
 #include "base/format.h"
 #include "base/math/random.h"
 #include "learning/model/model.h"
-#include "learning/rbm/gaussian_process.h"
+#include "learning/rbm/regression/gaussian_process.h"
 #include "learning/score/score.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/study/contract.h"

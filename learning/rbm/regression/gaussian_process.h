@@ -16,8 +16,8 @@
 #include <span>
 #include <vector>
 
-#include "learning/rbm/baselines.h"
-#include "learning/rbm/search/kernel_search.h"
+#include "learning/rbm/regression/baselines.h"
+#include "learning/rbm/regression/kernel_search.h"
 
 namespace gonogo::learning {
 
@@ -38,6 +38,14 @@ using KernelLogs = std::vector<double>;
 LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const int> label,
                                  std::span<const double> weight, const KernelLogs& logs);
 
+/// What most_probable() takes of a fitted process.
+struct ProcessParts {
+  Standardisation scaling{};
+  std::vector<double> logs{};    // as GaussianProcessModel::logs()
+  std::vector<double> inputs{};  // of the rows, standardised [row x variable]
+  std::vector<double> slope{};   // of their log likelihood at the mode [row]
+};
+
 /// Mean and variance of the latent function at a point.
 struct Latent {
   double mean = 0, variance = 0;
@@ -45,6 +53,11 @@ struct Latent {
 
 class GaussianProcessModel {
  public:
+  GaussianProcessModel() = default;
+  /// A process without variances. The sizes of the parts agree.
+  explicit GaussianProcessModel(const ProcessParts& parts);
+  ProcessParts parts() const;
+
   /// Many points at once are much faster than one by one. points: [point count x variable count]; NaN counts as the
   /// variable's mean; mean: m of every point, 0 where it is empty. Throws nothing.
   std::vector<double> probabilities(std::span<const double> points, std::span<const double> mean = {}) const;
@@ -80,6 +93,11 @@ GaussianProcessModel fit_gaussian_process(const TrainingTable& table, std::span<
 GaussianProcessModel gaussian_process_with(const TrainingTable& table, std::span<const int> label,
                                            const KernelLogs& logs, std::span<const double> mean = {});
 
+/// What a fitted regression answers by.
+struct RegressionParts : ProcessParts {  // slope: (K + noise)^-1 t
+  double mean = 0, scale = 1;            // of the targets
+};
+
 /// Regression (chapter 2) of standardised targets t:
 ///
 ///   t = f(x) + e,  f ~ GP(0, k + c (1 + sum_v z_v z'_v)),  e ~ N(0, n / w),  w the weight of the row
@@ -88,6 +106,11 @@ GaussianProcessModel gaussian_process_with(const TrainingTable& table, std::span
 /// (equation 2.30) plus the log of a normal prior around log(prior_length), 0, log(0.1) and log(0.1).
 class GaussianRegression {
  public:
+  GaussianRegression() = default;
+  /// A regression without leave_one_out(). The sizes of the parts agree.
+  explicit GaussianRegression(const RegressionParts& parts);
+  RegressionParts parts() const;
+
   /// Expected target of many points. points: [point count x variable count]; NaN counts as the variable's mean.
   std::vector<double> operator()(std::span<const double> points) const;
   /// The same of every row by all other rows (equation 5.12).

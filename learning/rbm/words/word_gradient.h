@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "learning/machine/word_machine.h"
-#include "learning/rbm/train.h"
+#include "learning/model/weights.h"
+#include "learning/rbm/words/teaching.h"
+#include "learning/training.h"
 
 namespace gonogo::learning {
 
@@ -24,6 +26,10 @@ struct WordMixtures {
   std::vector<std::size_t> first{0};  // words first[r] .. first[r + 1] - 1 are those of row r
   std::size_t size() const { return first.size() - 1; }
 };
+
+/// D [step x visible]: what a step from a bin to the next changes in the units. A step of a thermometer or one-hot code
+/// is one unit, so that D is the identity there. Empty if it is the identity as a whole.
+std::vector<double> step_rows(const VisibleLayout& layout);
 
 class WordGradient {
  public:

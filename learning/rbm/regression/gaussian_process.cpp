@@ -1,4 +1,4 @@
-#include "learning/rbm/gaussian_process.h"
+#include "learning/rbm/regression/gaussian_process.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include "base/math/random.h"
 #include "base/progress.h"
 #include "base/units.h"
-#include "learning/rbm/dense/symmetric.h"
+#include "learning/rbm/regression/symmetric.h"
 
 namespace gonogo::learning {
 namespace {
@@ -419,6 +419,37 @@ struct ProcessMaker {
   }
 };
 
+namespace {
+
+/// Row by row.
+std::vector<double> listed(const Matrix<double>& Z) {
+  std::vector<double> values;
+  values.reserve(std::size_t(Z.size()));
+  for (Eigen::Index i = 0; i < Z.rows(); ++i)
+    for (Eigen::Index v = 0; v < Z.cols(); ++v) values.push_back(Z(i, v));
+  return values;
+}
+
+Matrix<double> rows_of(const ProcessParts& parts) {
+  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const std::size_t width = parts.scaling.mean.size();
+  GONOGO_ASSERT(parts.inputs.size() == parts.slope.size() * width);
+  return Eigen::Map<const ByRows>(parts.inputs.data(), Eigen::Index(parts.slope.size()), Eigen::Index(width));
+}
+
+}  // namespace
+
+GaussianProcessModel::GaussianProcessModel(const ProcessParts& parts)
+    : scaling_(parts.scaling),
+      logs_(parts.logs),
+      rows_(std::make_shared<const Rows>(Rows{rows_of(parts), column(parts.slope), {}, {}})) {
+  GONOGO_ASSERT(logs_.size() == scaling_.mean.size() + 1);
+}
+
+ProcessParts GaussianProcessModel::parts() const {
+  return {scaling_, logs_, listed(rows_->Z), {rows_->slope.begin(), rows_->slope.end()}};
+}
+
 LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const int> label,
                                  std::span<const double> weight, const KernelLogs& logs) {
   GONOGO_ASSERT(inputs.size() == label.size() * (logs.size() - 1) && weight.size() == label.size());
@@ -604,6 +635,19 @@ GaussianRegression fit_gaussian_regression(const TrainingTable& table, std::span
   model.leave_one_out_.assign(left.begin(), left.end());
   model.rows_ = std::make_shared<const GaussianRegression::Rows>(GaussianRegression::Rows{Z, a});
   return model;
+}
+
+GaussianRegression::GaussianRegression(const RegressionParts& parts)
+    : scaling_(parts.scaling),
+      mean_(parts.mean),
+      scale_(parts.scale),
+      logs_(parts.logs),
+      rows_(std::make_shared<const Rows>(Rows{rows_of(parts), column(parts.slope)})) {
+  GONOGO_ASSERT(logs_.size() == scaling_.mean.size() + 3);
+}
+
+RegressionParts GaussianRegression::parts() const {
+  return {{scaling_, logs_, listed(rows_->Z), {rows_->slope.begin(), rows_->slope.end()}}, mean_, scale_};
 }
 
 std::vector<double> GaussianRegression::operator()(std::span<const double> points) const {

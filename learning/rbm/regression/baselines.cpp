@@ -1,4 +1,4 @@
-#include "learning/rbm/baselines.h"
+#include "learning/rbm/regression/baselines.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/math/random.h"
-#include "learning/rbm/dense/symmetric.h"
+#include "learning/rbm/regression/symmetric.h"
 
 namespace gonogo::learning {
 

@@ -1,4 +1,4 @@
-#include "learning/rbm/search/kernel_search.h"
+#include "learning/rbm/regression/kernel_search.h"
 
 #include <algorithm>
 #include <cmath>

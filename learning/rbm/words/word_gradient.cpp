@@ -1,4 +1,4 @@
-#include "learning/rbm/word_gradient.h"
+#include "learning/rbm/words/word_gradient.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/math/quad.h"
-#include "learning/rbm/tensors.h"
 
 namespace gonogo::learning {
 namespace {
@@ -40,6 +39,33 @@ void append(const VisibleLayout& layout, std::span<const double> row, bool smoot
 }
 
 }  // namespace
+
+std::vector<double> step_rows(const VisibleLayout& layout) {
+  std::vector<std::vector<double>> rows;
+  bool changed = false;
+  const auto add_unit = [&](std::size_t unit) { rows.emplace_back(layout.unit_count(), 0.0)[unit] = 1; };
+  for (std::size_t v = 0; v < layout.variable_count(); ++v) {
+    const Encoder& encoder = layout.encoders()[v];
+    const std::size_t first = layout.offset(v), units = encoder.unit_count();
+    if (!has_all_words(encoder.code())) {
+      for (std::size_t k = 0; k < units; ++k) add_unit(first + k);
+      continue;
+    }
+    changed = changed || units > 0;
+    std::vector<Bit> word(units), next(units);
+    for (int bin = 0; bin + 1 < encoder.bin_count(); ++bin) {
+      encoder.encode(bin, word);
+      encoder.encode(bin + 1, next);
+      std::vector<double>& row = rows.emplace_back(layout.unit_count(), 0.0);
+      for (std::size_t k = 0; k < units; ++k) row[first + k] = double(next[k]) - double(word[k]);
+    }
+  }
+  if (!changed) return {};
+  for (std::size_t y = layout.input_unit_count(); y < layout.unit_count(); ++y) add_unit(y);
+  std::vector<double> result;
+  for (const std::vector<double>& row : rows) result.insert(result.end(), row.begin(), row.end());
+  return result;
+}
 
 bool WordGradient::serves(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings) {
   if (settings.negative != NegativePhaseKind::code_words || settings.gradients != GradientDevice::cpu ||
@@ -97,11 +123,9 @@ WordGradient::WordGradient(const VisibleLayout& layout, const TrainingTable& tab
   if (joint_.size() > 0) joint_share_ = teaching->joint_share;
 }
 
-/// Without LibTorch's products, because folds are trained at the same time (train_model.cpp).
 void WordGradient::take_steps() {
-  const torch::Tensor steps = step_units(layout_);
-  if (!steps.defined()) return;
-  const std::vector<double> step = values_of(steps);
+  const std::vector<double> step = step_rows(layout_);
+  if (step.empty()) return;
   const std::size_t visible = layout_.unit_count();
   step_product_.assign(visible * visible, 0.0);
   for (std::size_t first = 0; first < step.size(); first += visible)

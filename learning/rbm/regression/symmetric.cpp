@@ -1,4 +1,4 @@
-#include "learning/rbm/dense/symmetric.h"
+#include "learning/rbm/regression/symmetric.h"
 
 namespace gonogo::learning {
 namespace {
