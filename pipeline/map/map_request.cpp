@@ -401,6 +401,8 @@ MapRequest read_map_request(const MapFiles& files) {
     OutcomeModel machine = outcome_model_of(own);
     add_members(machine, files.members, is_inside ? MemberAnswer(machine_of) : nullptr);
     request.rules.values.merge(family_values(member, sampled));
+    request.rules.values.try_emplace("payload",
+                                     Spread{Spread::Kind::fixed, 0, 0, "not given: the vehicle as its file weighs"});
     request.model = model_of_member(request.model, machine, member);
     remark_member(request.model, trained, member, vehicle);
   } else {

@@ -254,6 +254,15 @@ void ask_each(const std::function<void(std::span<const double>, std::span<double
   model(asked, result);
 }
 
+/// Whether a point has a value of a type of trial, such as the width of a ditch, for which a model on slopes may not be
+/// asked. The numbers of a family's vehicle are none.
+bool has_task_value(const std::vector<double>& point) {
+  const std::vector<campaign::Variable>& variables = campaign::contract().variables;
+  for (std::size_t v = 0; v < point.size(); ++v)
+    if (variables[v].prior == "task" && point[v] != 0) return true;
+  return false;
+}
+
 constexpr std::size_t kPointsAtOnce = 32;  // whose answers at all slopes are kept
 
 }  // namespace
@@ -319,7 +328,7 @@ std::vector<Prospect> SoilPoints::on_slopes(const OutcomeModel& model, std::span
   std::vector<Prospect> prospects(pairs, nothing_known());
   const EachAt each_at(each, of, along.size(), across.size());
   if (inside_.count + bounded_.count == 0) return prospects;
-  const bool has_task = campaign::has_task_values(all_.front());
+  const bool has_task = has_task_value(all_.front());
   const auto ask = [&](std::span<const double> points, std::span<double> result) {
     if (model.on_slopes && !has_task)
       model.on_slopes(points, along, across, result);
