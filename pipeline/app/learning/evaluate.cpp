@@ -70,8 +70,8 @@ void add_evaluate_command(CLI::App& app, const Globals& globals) {
   add_named(*command, "--model", options->model, kModel, "Model file, or name of one that ships")->required();
   add_named(
       *command, "--dataset", options->dataset, kFile,
-      "Held-out trials (dataset.h5); trials that the model was trained on are left out. A family's model is asked "
-      "at the numbers of the vehicle that the trials drove. Without it, the cross-validation made when the model "
+      "Held-out trials (dataset.h5); trials that the model was trained on are left out. For a family's model the "
+      "machine of the vehicle that the trials drove answers. Without it, the cross-validation made when the model "
       "was trained is shown");
   add_named(*command, "--out", options->out, kFolder,
             "Folder for evaluation.json, reliability.csv, missing.csv and evaluation.png");

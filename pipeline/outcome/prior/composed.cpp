@@ -188,9 +188,9 @@ void ComposedVehicle::write(Hdf5Writer& out, const std::string& group) const {
 
 ComposedVehicle ComposedVehicle::read(const Hdf5Reader& in, const std::string& group) {
   const std::size_t variables = campaign::contract().variables.size();
-  const auto lower = in.array<double>(group + "/box/lower", Shape{variables});
-  const auto upper = in.array<double>(group + "/box/upper", Shape{variables});
-  const auto scales = in.array<double>(group + "/scales", Shape{3});
+  const auto lower = learning::read_finite(in, group + "/box/lower", Shape{variables});
+  const auto upper = learning::read_finite(in, group + "/box/upper", Shape{variables});
+  const auto scales = learning::read_finite(in, group + "/scales", Shape{3});
   ComposedVehicle vehicle;
   for (std::size_t v = 0; v < variables; ++v) vehicle.box_.push_back({lower[v], upper[v]});
   vehicle.unit_speed_ = scales[0];

@@ -8,7 +8,7 @@
 
 namespace gonogo::outcome {
 
-/// The answers of the model of a family about one of its vehicles.
+/// The answers of the teacher of a family's model about one of its vehicles.
 struct Forecast {
   std::string hash, about;                                                     // of the model's file; who answers
   std::size_t trials = 0;                                                      // that the model learned

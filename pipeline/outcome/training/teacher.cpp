@@ -251,7 +251,7 @@ Teacher Teacher::read(const std::filesystem::path& file) {
   if (!in.has(group)) in.fail("/", "holds no teacher, which answers for single vehicles; train the model again");
   Teacher teacher;
   teacher.variables_ = campaign::contract().variables.size();
-  teacher.known_.own = in.array<double>(group + "/fidelity");
+  teacher.known_.own = learning::read_finite(in, group + "/fidelity");
   std::size_t inputs = teacher.variables_ + teacher.known_.own.size() + 1;  // and the size across
   if (in.has(group + "/composed")) {
     teacher.known_.composed = std::make_shared<const ComposedVehicle>(ComposedVehicle::read(in, group + "/composed"));
