@@ -199,6 +199,7 @@ OutcomeModel model_of_member(const OutcomeModel& family, const OutcomeModel& mac
   model.probabilities = machine.probabilities;
   model.on_slopes = machine.on_slopes;
   model.members = machine.members;
+  model.member_hashes = machine.member_hashes;
   if (family.novelty)
     model.novelty = [member, novelty = family.novelty](std::span<const double> point) {
       return novelty(family_point(member, point));

@@ -57,20 +57,21 @@ OutcomeModel outcome_model_of(const TrainedModel& trained) {
   return model;
 }
 
-/// Answers in place of a bootstrap member of a model.
-using MemberAnswer = std::function<std::shared_ptr<const outcome::Predictor>(
-    const std::filesystem::path& file, std::shared_ptr<const outcome::Predictor> predictor)>;
+using SharedPredictor = std::shared_ptr<const outcome::Predictor>;
+/// Who answers in place of the model in a file.
+using AnswerFor = std::function<SharedPredictor(const std::filesystem::path& file, const SharedPredictor& predictor)>;
 
-/// Reads the bootstrap members of the model.
-void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files, const MemberAnswer& answer) {
+/// Reads the bootstrap members of a model whose trials sampled this box. answer_for: nothing where they answer.
+void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files, const std::vector<Range>& box,
+                 const AnswerFor& answer_for) {
   for (const std::filesystem::path& file : files) {
     auto predictor = std::make_shared<const outcome::Predictor>(outcome::Predictor::read(file));
-    for (std::size_t v = 0; v < model.sampled.size(); ++v)
-      if (predictor->model().sampled_lower[v] != model.sampled[v].minimum ||
-          predictor->model().sampled_upper[v] != model.sampled[v].maximum)
+    for (std::size_t v = 0; v < box.size(); ++v)
+      if (predictor->model().sampled_lower[v] != box[v].minimum ||
+          predictor->model().sampled_upper[v] != box[v].maximum)
         throw InputError(file.string() + ": is no member of the model: its trials sampled another range of " +
                          campaign::contract().variables[v].name + "; make members with gonogo train --members");
-    if (answer) predictor = answer(file, predictor);
+    if (answer_for) predictor = answer_for(file, predictor);
     model.member_hashes.push_back(file_hash(file));
     model.members.push_back([predictor](std::span<const double> points, std::span<double> result) {
       predictor->outcome_probabilities(points, result);
@@ -367,6 +368,26 @@ void remark_member(OutcomeModel& model, const TrainedModel& trained, const Famil
                           ". " + own_model_text(file, name, member.gravity));
 }
 
+/// Lets the machines of a vehicle of the family answer for the model and its bootstrap members.
+void ask_member(MapRequest& request, TrainedModel& trained, const std::vector<std::filesystem::path>& members,
+                const std::filesystem::path& vehicle) {
+  const FamilyMember member = take_member(trained, vehicle, request.region);
+  const std::vector<Range> sampled = request.model.sampled;
+  AnswerFor machine_of = [&](const std::filesystem::path& file, const SharedPredictor& family) {
+    return machine_of_member(file, *family, member, sampled);
+  };
+  if (!numbers_outside(member, sampled).empty()) machine_of = nullptr;  // every cell is unknown, whoever answers
+  TrainedModel own = trained;
+  if (machine_of) own.predictor = machine_of(trained.file, trained.predictor);
+  OutcomeModel machine = outcome_model_of(own);
+  add_members(machine, members, sampled, machine_of);
+  request.rules.values.merge(family_values(member, sampled));
+  request.rules.values.try_emplace("payload",
+                                   Spread{Spread::Kind::fixed, 0, 0, "not given: the vehicle as its file weighs"});
+  request.model = model_of_member(request.model, machine, member);
+  remark_member(request.model, trained, member, vehicle);
+}
+
 }  // namespace
 
 ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
@@ -390,23 +411,9 @@ MapRequest read_map_request(const MapFiles& files) {
       files.vehicle.empty() ? "" : shipped_file("vehicles", "vehicle", files.vehicle.string());
   check_family(trained, vehicle);
   if (trained.family) {
-    const FamilyMember member = take_member(trained, vehicle, request.region);
-    const std::vector<Range> sampled = request.model.sampled;
-    const auto machine_of = [&](const std::filesystem::path& file, const auto& family) {
-      return machine_of_member(file, *family, member, sampled);
-    };
-    TrainedModel own = trained;
-    const bool is_inside = numbers_outside(member, sampled).empty();  // or every cell is unknown, whoever answers
-    if (is_inside) own.predictor = machine_of(trained.file, trained.predictor);
-    OutcomeModel machine = outcome_model_of(own);
-    add_members(machine, files.members, is_inside ? MemberAnswer(machine_of) : nullptr);
-    request.rules.values.merge(family_values(member, sampled));
-    request.rules.values.try_emplace("payload",
-                                     Spread{Spread::Kind::fixed, 0, 0, "not given: the vehicle as its file weighs"});
-    request.model = model_of_member(request.model, machine, member);
-    remark_member(request.model, trained, member, vehicle);
+    ask_member(request, trained, files.members, vehicle);
   } else {
-    add_members(request.model, files.members, {});
+    add_members(request.model, files.members, request.model.sampled, {});
   }
   if (!vehicle.empty()) require_vehicle(trained, vehicle);
   if (study) require_study(trained, files.study);

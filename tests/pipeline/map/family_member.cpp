@@ -370,6 +370,31 @@ TEST_CASE("a machine of one vehicle follows the shipped family's teacher, and it
   CHECK(rows == Approx(passable).margin(0.04));
 }
 
+TEST_CASE("bootstrap members of a family answer by machines of the vehicle, each taught by its own teacher") {
+  const TemporaryFolder folder;
+  const fs::path model = copy_family(folder);
+  write_region(folder);
+  const Config quick = Config::parse(R"({"hidden": 4, "epochs": 40, "folds": 2})", "learning");
+  MapFiles files = files_of(folder, model, "hmmwv", "map");
+  files.members = outcome::train_members(
+      {.dataset = model.parent_path() / "dataset.h5", .model = model, .seed = 3, .learning = quick, .design = {}}, 1);
+  const MapRequest request = read_map_request(files);
+  REQUIRE(request.model.members.size() == 1);
+  CHECK(request.model.member_hashes == std::vector<std::string>{file_hash(files.members.front())});
+  const TrainedModel family = read_trained_model(model);
+  const FamilyMember member =
+      family_member(wheeled(), kGravity, vehicle::read_vehicle(kConfigs / "vehicles/hmmwv.json"), kGravity);
+  const auto machine = machine_of_member(files.members.front(), outcome::Predictor::read(files.members.front()), member,
+                                         sampled_box(family));
+  const std::vector<double> point = point_of({{"friction_angle", 30}, {"cohesion", 4}, {"payload", 0}});
+  std::vector<double> answer(contract().outcomes.size()), expected(answer.size()), of_model(answer.size());
+  request.model.members.front()(point, answer);
+  machine->outcome_probabilities(point, expected);
+  request.model.probabilities(point, of_model);
+  CHECK(answer == expected);
+  CHECK(answer != of_model);
+}
+
 TEST_CASE("a machine of one vehicle has the same bits for any number of threads") {
   const TemporaryFolder folder;
   const fs::path model = copy_family(folder);
