@@ -40,8 +40,8 @@ void TrialFilm::add(const campaign::TrialFrame& frame) {
                        {"slip", text_of("%.2f", s.slip)},
                        {"sinkage", text_of("%.0f mm", 1e3 * s.sinkage)},
                        {"torque", text_of("%.0f N m", s.torque)},
-                       {"slope along", text_of("%.1f°", trial_.slope_along)},
-                       {"slope across", text_of("%.1f°", trial_.slope_across)}}});
+                       {"slope along", text_of("%.1f deg", trial_.slope_along)},
+                       {"slope across", text_of("%.1f deg", trial_.slope_across)}}});
 }
 
 void TrialFilm::finish(const campaign::TrialRecord& record) {
