@@ -2,7 +2,7 @@
 #include <gonogo/learn.h>
 #include "base/files/shipped.h"
 #include "pipeline/face/inside.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/train_model.h"

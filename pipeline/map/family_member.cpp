@@ -4,22 +4,15 @@
 #include <array>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/files/file.h"
 #include "base/format.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
-#include "pipeline/outcome/training/member_machine.h"
-#include "pipeline/outcome/training_data.h"
 #include "vehicle/family/driveline_share.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/world/engine_vehicle.h"
 
 namespace gonogo::map {
 namespace {
-
-constexpr double kPayloadShare = 0.25;  // of the mass, on maps: as in campaign::study_of_vehicle()
-constexpr double kMostPayload = 0.6;    // of the mass, that a machine learns: trials of the HMMWV have as much
 
 std::size_t index(const char* name) { return campaign::contract().variable_index(name); }
 
@@ -44,11 +37,6 @@ double changed(const FamilyMember& m, double slope, SlopeOf change) {
 }
 double felt(const FamilyMember& m, double slope) { return changed(m, slope, vehicle::felt_slope); }
 double unfelt(const FamilyMember& m, double slope) { return changed(m, slope, vehicle::own_slope); }
-std::vector<double> felt(const FamilyMember& m, std::span<const double> slopes) {
-  std::vector<double> result;
-  for (const double slope : slopes) result.push_back(felt(m, slope));
-  return result;
-}
 
 /// Numbers that the mass changes, by loaded().
 void add_load(std::vector<double>& point, double mass_ratio) {
@@ -142,82 +130,33 @@ Spreads family_values(const FamilyMember& m, const std::vector<Range>& sampled) 
   return values;
 }
 
-namespace {
-
-/// Its box: the family's numbers are its own, and the rest is the family's at its scale.
-std::vector<Range> box_of(const FamilyMember& member, std::vector<Range> sampled) {
-  const double payload = largest_payload(sampled, member, kMostPayload) * member.mass;
-  for (const auto& [name, spread] : family_values(member, sampled))
-    sampled[index(name.c_str())] = {spread.low, spread.low};
-  for (const ScaledVariable& v : scaled_variables(member)) {
-    sampled[v.variable].minimum *= v.factor;
-    sampled[v.variable].maximum *= v.factor;
-  }
-  sampled[index("payload")] = {0, payload};
-  return sampled;
-}
-
-/// Points of the member as the family's. values: of family_values().
-std::vector<double> family_points(const FamilyMember& member, const Spreads& values, std::span<const double> points) {
+std::vector<double> family_points(const FamilyMember& m, const Spreads& values, std::span<const double> points) {
   const std::size_t width = campaign::contract().variables.size();
   std::vector<double> result;
   result.reserve(points.size());
   for (std::size_t first = 0; first < points.size(); first += width) {
     std::vector<double> point(points.begin() + std::ptrdiff_t(first), points.begin() + std::ptrdiff_t(first + width));
     for (const auto& [name, spread] : values) point[index(name.c_str())] = spread.low;
-    point = family_point(member, point);
+    point = family_point(m, point);
     result.insert(result.end(), point.begin(), point.end());
   }
   return result;
 }
 
-outcome::FamilyQuestion question_of(const FamilyMember& member, const std::vector<Range>& sampled) {
-  outcome::FamilyQuestion question{
-      .vehicle = member.vehicle.name, .gravity = member.gravity, .lower = {}, .upper = {}, .in_family = {}};
-  for (const Range& range : box_of(member, sampled)) {
-    question.lower.push_back(range.minimum);
-    question.upper.push_back(range.maximum);
-  }
-  question.in_family = [member, values = family_values(member, sampled)](const std::vector<double>& points) {
-    return family_points(member, values, points);
-  };
-  return question;
+std::vector<double> felt_slopes(const FamilyMember& m, std::span<const double> slopes) {
+  std::vector<double> result;
+  for (const double slope : slopes) result.push_back(felt(m, slope));
+  return result;
 }
 
-}  // namespace
-
-std::shared_ptr<const outcome::Predictor> machine_of_member(const std::filesystem::path& file,
-                                                            const outcome::Predictor& family,
-                                                            const FamilyMember& member,
-                                                            const std::vector<Range>& sampled) {
-  return std::make_shared<const outcome::Predictor>(outcome::member_machine(
-      family, outcome::Teacher::read(file), question_of(member, sampled), outcome::MachineUse::answers));
-}
-
-OutcomeModel model_of_member(const OutcomeModel& family, const OutcomeModel& machine, const FamilyMember& member) {
-  OutcomeModel model = family;
-  model.probabilities = machine.probabilities;
-  model.on_slopes = machine.on_slopes;
-  model.members = machine.members;
-  model.member_hashes = machine.member_hashes;
-  if (family.novelty)
-    model.novelty = [member, novelty = family.novelty](std::span<const double> point) {
-      return novelty(family_point(member, point));
-    };
-  if (family.novelty_uphill)
-    model.novelty_uphill = [member, novelty = family.novelty_uphill](std::span<const double> point,
-                                                                     std::span<const double> slopes, auto result) {
-      novelty(family_point(member, point), felt(member, slopes), result);
-    };
-  for (const ScaledVariable& v : scaled_variables(member)) {
-    model.sampled[v.variable].minimum *= v.factor;
-    model.sampled[v.variable].maximum *= v.factor;
+std::vector<Range> member_box(const FamilyMember& m, std::vector<Range> sampled, double most_payload) {
+  const double payload = largest_payload(sampled, m, most_payload) * m.mass;
+  for (const ScaledVariable& v : scaled_variables(m)) {
+    sampled[v.variable].minimum *= v.factor;
+    sampled[v.variable].maximum *= v.factor;
   }
-  model.sampled[index("payload")] = {0, largest_payload(family.sampled, member, kPayloadShare) * member.mass};
-  model.gravity = member.gravity;
-  model.vehicle = member.vehicle.name;
-  model.whole_vehicle = true;
-  return model;
+  sampled[index("payload")] = {0, payload};
+  return sampled;
 }
 
 campaign::Dataset trials_of_member(const campaign::Dataset& family, const FamilyMember& member) {
@@ -239,65 +178,6 @@ campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMem
   return result;
 }
 
-namespace {
-
-bool drove_family(const campaign::Dataset& trials, const std::filesystem::path& file) {
-  const std::string* text = campaign::input_text(trials.provenance, "vehicle");
-  return text && vehicle::is_family(Config::parse(*text, file.string() + ": vehicle"));
-}
-
-/// The vehicle as trials drive it: on rigid wheels unless tyres give way.
-FamilyMember driven_member(const vehicle::Family& family, double family_gravity, const vehicle::Vehicle& vehicle,
-                           bool compliant_tyres, double gravity) {
-  FamilyMember member = family_member(family, family_gravity, vehicle, gravity);
-  if (!compliant_tyres) member.numbers.wheel.deflection = 0;
-  return member;
-}
-
-}  // namespace
-
-AnsweredTrials answer_trials(const TrainedModel& model, const std::filesystem::path& file) {
-  campaign::Dataset own = campaign::read_dataset(file);
-  if (drove_family(own, file) || !is_of_family(model)) return {own, own, model.predictor};
-  require_family(model);
-  const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
-  if (!driven)
-    throw InputError(file.string() + ": does not hold the files of its vehicle and soil, so that the model " +
-                     model.file.string() + " of a family cannot be asked; give trials that hold them");
-  const FamilyMember member =
-      driven_member(*model.family, model.gravity, driven->vehicle, driven->compliant_tyres, driven->gravity);
-  const std::vector<Range> box = sampled_box(model);
-  return {own, trials_in_family(own, member, box), machine_of_member(model.file, *model.predictor, member, box)};
-}
-
-std::vector<outcome::VehicleTrials> vehicle_trials(const std::filesystem::path& family_file,
-                                                   const std::optional<Config>& design,
-                                                   const std::vector<std::filesystem::path>& files) {
-  std::vector<outcome::VehicleTrials> result;
-  if (files.empty()) return result;
-  const campaign::Dataset trials = campaign::read_dataset(family_file);
-  if (!drove_family(trials, family_file))
-    throw InputError(family_file.string() +
-                     ": its trials drove one vehicle, so --vehicles has no family to calibrate; leave it out");
-  const vehicle::Family driven_family = vehicle::read_family(
-      Config::parse(*campaign::input_text(trials.provenance, "vehicle"), family_file.string() + ": vehicle"));
-  const double gravity = campaign::settings_of(trials.provenance, family_file.string()).gravity;
-  outcome::TrainingData data = outcome::make_training_data(trials.records, design);
-  outcome::widen_to_own_ranges(data, trials.provenance, family_file.string());
-  std::vector<Range> box;
-  for (std::size_t v = 0; v < data.lower.size(); ++v) box.push_back({data.lower[v], data.upper[v]});
-  for (const std::filesystem::path& file : files) {
-    const campaign::Dataset own = campaign::read_dataset(file);
-    const std::optional<TrialVehicle> driven = trial_vehicle(own.provenance, file.string());
-    if (!driven || drove_family(own, file))
-      throw InputError(file.string() + ": --vehicles wants trials of one vehicle, with the files of vehicle and soil");
-    const campaign::Dataset seen = trials_in_family(
-        own, driven_member(driven_family, gravity, driven->vehicle, driven->compliant_tyres, driven->gravity), box);
-    result.push_back({file_hash(file), driven->name, outcome::make_training_data(seen.records, std::nullopt).table});
-  }
-  return result;
-}
-
 std::vector<std::string> numbers_outside(const FamilyMember& m, const std::vector<Range>& sampled) {
   std::vector<std::string> outside;
   for (const vehicle::PlacedNumber& n : numbers_of(m, sampled))
@@ -305,65 +185,6 @@ std::vector<std::string> numbers_outside(const FamilyMember& m, const std::vecto
       outside.push_back(n.name + line(" %.3g (", n.value) + vehicle::place_text(n) +
                         line(" %.3g to %.3g)", n.range.minimum, n.range.maximum));
   return outside;
-}
-
-namespace {
-
-/// `family`: empty for the one that ships. Throws InputError where there is none, or it is of no family.
-TrainedModel family_model(const std::string& family) {
-  const std::optional<std::filesystem::path> file =
-      family.empty() ? shipped_family_model() : std::optional(find_model(family));
-  if (!file) throw InputError("no model of a family ships; name one with --family-model");
-  TrainedModel model = read_trained_model(*file);
-  if (!is_of_family(model))
-    throw InputError(file->string() + ": is no model of a family of vehicles; give one that is");
-  require_family(model);
-  return model;
-}
-
-}  // namespace
-
-learning::Model model_for_vehicle(const std::string& family, const vehicle::Vehicle& vehicle, double gravity) {
-  const TrainedModel model = family_model(family);
-  const std::vector<Range> box = sampled_box(model);
-  const FamilyMember member = family_member(*model.family, model.gravity, vehicle, gravity);
-  if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
-    throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
-                     "; gonogo vehicle study says what trials of its own cost");
-  return outcome::member_machine(*model.predictor, outcome::Teacher::read(model.file), question_of(member, box),
-                                 outcome::MachineUse::samples);
-}
-
-std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family, const vehicle::Vehicle& vehicle,
-                                                         bool compliant_tyres, double gravity) {
-  const TrainedModel model = family_model(family);
-  const std::vector<Range> box = sampled_box(model);
-  const FamilyMember member = driven_member(*model.family, model.gravity, vehicle, compliant_tyres, gravity);
-  if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
-    throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
-                     "; leave --from-family out");
-  const outcome::FamilyQuestion question = question_of(member, box);
-  const auto answer = [question, predictor = model.predictor,
-                       teacher = outcome::Teacher::read(model.file)](const std::vector<double>& points) {
-    return outcome::member_forecast(predictor->model(), teacher, question, points);
-  };
-  return std::make_shared<const outcome::Forecast>(
-      outcome::Forecast{.hash = file_hash(model.file),
-                        .about = "forecast of the family " + member.family.name + " for " + member.vehicle.name,
-                        .trials = model.dataset->records.size(),
-                        .p_go = answer,
-                        .table = outcome::make_training_data(model.dataset->records, std::nullopt).table,
-                        .in_family = question.in_family});
-}
-
-std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& family,
-                                                         const std::filesystem::path& dataset) {
-  const std::optional<TrialVehicle> driven =
-      trial_vehicle(campaign::read_dataset(dataset).provenance, dataset.string());
-  if (!driven)
-    throw InputError(dataset.string() +
-                     ": does not hold the file of one vehicle, for which --from-family asks its family; leave it out");
-  return family_forecast(family, driven->vehicle, driven->compliant_tyres, driven->gravity);
 }
 
 }  // namespace gonogo::map

@@ -17,7 +17,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/evaluate/outcome_model.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/map/soils/soil.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/answer/infer.h"

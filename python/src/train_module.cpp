@@ -5,7 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "learning/rbm/train.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/train_model.h"
 #include "python/src/binding.h"

@@ -5,7 +5,7 @@
 #include "base/format.h"
 #include "learning/model/model.h"
 #include "pipeline/app/cli/work.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/evaluation/evaluate_model.h"
 #include "pipeline/outcome/training/report.h"

@@ -1,7 +1,7 @@
 #include <memory>
 
 #include "pipeline/app/cli/work.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/outcome/prior/other_trials.h"
 #include "pipeline/outcome/training/train_model.h"
 

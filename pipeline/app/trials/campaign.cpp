@@ -9,7 +9,7 @@
 #include "pipeline/campaign/engine/cluster/slurm.h"
 #include "pipeline/campaign/engine/study_campaign.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/outcome/active/active_run.h"
 
 #ifdef GONOGO_WITH_MPI

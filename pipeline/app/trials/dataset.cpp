@@ -9,7 +9,7 @@
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/engine/study_campaign.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/map/rivals.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/importance/dataset_report.h"

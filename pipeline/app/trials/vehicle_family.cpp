@@ -14,7 +14,7 @@
 #include "pipeline/app/trials/vehicle_commands.h"
 #include "pipeline/campaign/setup/vehicle_study.h"
 #include "pipeline/inspect/vehicle_report.h"
-#include "pipeline/map/family_member.h"
+#include "pipeline/map/family_answers.h"
 #include "vehicle/family/driveline_share.h"
 #include "vehicle/family/vehicle_numbers.h"
 

@@ -14,6 +14,7 @@
 #include "learning/score/score.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/map/evaluate/soil_response.h"
+#include "pipeline/map/family_answers.h"
 #include "pipeline/map/map_request.h"
 #include "pipeline/map/trained_model.h"
 #include "pipeline/outcome/active/learning_curve.h"
