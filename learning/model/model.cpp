@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/hdf5/hdf5.h"
 
 namespace gonogo::learning {
 namespace {
@@ -19,13 +18,6 @@ std::vector<double> log_column(const std::vector<EpochLog>& log, double EpochLog
 void describe(Hdf5Writer& out, const std::string& path, const std::string& unit, const std::string& description) {
   out.attribute(path, "unit", unit);
   out.attribute(path, "description", description);
-}
-
-std::vector<double> finite_array(const Hdf5Reader& in, const std::string& path, const Shape& shape) {
-  std::vector<double> values = in.array<double>(path, shape);
-  for (double x : values)
-    if (!std::isfinite(x)) in.fail(path, "holds a value that is not a finite number; train the model again");
-  return values;
 }
 
 /// What must hold between the parts of a model, whoever made it.
@@ -102,6 +94,13 @@ void write_model(const std::filesystem::path& path, const Model& model, const st
   out.save(path);
 }
 
+std::vector<double> finite_array(const Hdf5Reader& in, const std::string& path, const std::optional<Shape>& shape) {
+  std::vector<double> values = in.array<double>(path, shape);
+  for (double x : values)
+    if (!std::isfinite(x)) in.fail(path, "holds a value that is not a finite number; train the model again");
+  return values;
+}
+
 Model read_model(const std::filesystem::path& path) {
   const Hdf5Reader in(path);
   if (!in.has_attribute("/", "format") || in.text_attribute("/", "format") != kFormat)
@@ -115,20 +114,20 @@ Model read_model(const std::filesystem::path& path) {
   const std::size_t hidden = hidden_shape[0];
   model.weights = {.visible_count = visible,
                    .hidden_count = hidden,
-                   .weight = finite_array(in, "machine/weight", {visible, hidden}),
-                   .visible_bias = finite_array(in, "machine/visible_bias", {visible}),
-                   .hidden_bias = finite_array(in, "machine/hidden_bias", {hidden})};
-  model.sampled_lower = finite_array(in, "sampled/lower", {variables});
-  model.sampled_upper = finite_array(in, "sampled/upper", {variables});
+                   .weight = finite_array(in, "machine/weight", Shape{visible, hidden}),
+                   .visible_bias = finite_array(in, "machine/visible_bias", Shape{visible}),
+                   .hidden_bias = finite_array(in, "machine/hidden_bias", Shape{hidden})};
+  model.sampled_lower = finite_array(in, "sampled/lower", Shape{variables});
+  model.sampled_upper = finite_array(in, "sampled/upper", Shape{variables});
   model.training_outcomes = in.array<std::int32_t>("training/outcomes");
   model.training_points = in.array<double>("training/points", Shape{model.training_outcomes.size(), variables});
-  model.training_weights = finite_array(in, "training/weights", {model.training_outcomes.size()});
+  model.training_weights = finite_array(in, "training/weights", Shape{model.training_outcomes.size()});
   model.input_prior = read_prior(in, model.layout);
   const auto epoch = in.array<double>("log/epoch");
   const auto training = in.array<double>("log/training_loss", Shape{epoch.size()});
   const auto held_out = in.array<double>("log/held_out_loss", Shape{epoch.size()});
   for (std::size_t k = 0; k < epoch.size(); ++k) model.log.push_back({epoch[k], training[k], held_out[k]});
-  model.calibration_power = finite_array(in, "calibration/power", {1})[0];
+  model.calibration_power = finite_array(in, "calibration/power", Shape{1})[0];
   if (!(model.calibration_power > 0)) in.fail("calibration/power", "must be above 0");
   model.provenance = Json::parse(in.text("provenance"), path.string() + ": provenance");
   check_parts(in, model);

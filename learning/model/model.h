@@ -3,17 +3,15 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/hdf5/hdf5.h"
 #include "base/json/json.h"
 #include "learning/encoding/layout.h"
 #include "learning/model/posterior.h"
 #include "learning/model/weights.h"
-
-namespace gonogo {
-class Hdf5Writer;
-}
 
 namespace gonogo::learning {
 
@@ -40,6 +38,10 @@ struct Model {
 /// DeviceError when it cannot be written.
 void write_model(const std::filesystem::path& path, const Model& model,
                  const std::function<void(Hdf5Writer&)>& more = {});
+/// An array of a model's file. Throws InputError where it is missing, has another shape, or holds a value that is not a
+/// finite number.
+std::vector<double> finite_array(const Hdf5Reader& in, const std::string& path,
+                                 const std::optional<Shape>& shape = std::nullopt);
 /// Throws InputError for files that are missing, truncated, of another schema, inconsistent in their sizes, or with
 /// weights that are not finite.
 Model read_model(const std::filesystem::path& path);

@@ -135,15 +135,21 @@ TrainedModel family_model(const std::string& family) {
   return model;
 }
 
+/// Throws InputError for a vehicle outside the box of its family, with this advice.
+void require_inside(const FamilyMember& member, const std::vector<Range>& box, const std::string& advice) {
+  const std::vector<std::string> outside = numbers_outside(member, box);
+  if (outside.empty()) return;
+  throw InputError(member.vehicle.name + ": lies outside the family " + member.family.name + ": " +
+                   join_words(outside) + "; " + advice);
+}
+
 }  // namespace
 
 learning::Model model_for_vehicle(const std::string& family, const vehicle::Vehicle& vehicle, double gravity) {
   const TrainedModel model = family_model(family);
   const std::vector<Range> box = sampled_box(model);
   const FamilyMember member = family_member(*model.family, model.gravity, vehicle, gravity);
-  if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
-    throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
-                     "; gonogo vehicle study says what trials of its own cost");
+  require_inside(member, box, "gonogo vehicle study says what trials of its own cost");
   return outcome::member_machine(*model.predictor, outcome::Teacher::read(model.file), question_of(member, box),
                                  outcome::MachineUse::samples);
 }
@@ -153,9 +159,7 @@ std::shared_ptr<const outcome::Forecast> family_forecast(const std::string& fami
   const TrainedModel model = family_model(family);
   const std::vector<Range> box = sampled_box(model);
   const FamilyMember member = driven_member(*model.family, model.gravity, vehicle, compliant_tyres, gravity);
-  if (const std::vector<std::string> outside = numbers_outside(member, box); !outside.empty())
-    throw InputError(vehicle.name + ": lies outside the family " + member.family.name + ": " + join_words(outside) +
-                     "; leave --from-family out");
+  require_inside(member, box, "leave --from-family out");
   const outcome::FamilyQuestion question = question_of(member, box);
   const auto answer = [question, predictor = model.predictor,
                        teacher = outcome::Teacher::read(model.file)](const std::vector<double>& points) {

@@ -1,5 +1,5 @@
-// A family's model asked about one vehicle. Its teacher answers through a machine of the vehicle's own variables, which it
-// teaches (outcome/training/member_machine.h).
+// A family's model asked about one vehicle. Its teacher answers through a machine of the vehicle's own variables, which
+// it teaches (outcome/training/member_machine.h).
 #pragma once
 #include <filesystem>
 #include <memory>

@@ -170,11 +170,8 @@ campaign::Dataset trials_in_family(const campaign::Dataset& own, const FamilyMem
                                    const std::vector<Range>& sampled) {
   const Spreads values = family_values(member, sampled);
   campaign::Dataset result = own;
-  for (campaign::TrialRecord& record : result.records) {
-    std::vector<double>& point = record.point.variables;
-    for (const auto& [name, spread] : values) point[index(name.c_str())] = spread.low;
-    point = family_point(member, point);
-  }
+  for (campaign::TrialRecord& record : result.records)
+    record.point.variables = family_points(member, values, record.point.variables);
   return result;
 }
 

@@ -220,6 +220,15 @@ learning::VisibleLayout make_layout(const TrainingData& data, const LearningSett
   return learning::VisibleLayout(std::move(encoders), std::move(outcomes));
 }
 
+void describe_trials(const TrainingData& data, bool uniform_inputs, learning::Model& model) {
+  model.sampled_lower = data.lower;
+  model.sampled_upper = data.upper;
+  model.training_points = data.table.variables;
+  model.training_weights = data.table.weight;
+  model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
+  if (uniform_inputs) model.input_prior = learning::uniform_prior(model.layout);
+}
+
 std::vector<std::size_t> varying_inputs(const learning::VisibleLayout& layout) {
   std::vector<std::size_t> result;
   for (std::size_t v = 0; v < layout.variable_count(); ++v)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "learning/encoding/layout.h"
+#include "learning/model/model.h"
 #include "learning/training.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/setup/record.h"
@@ -49,6 +50,9 @@ void keep_groups(TrainingData& data, const std::vector<std::uint64_t>& groups);
 /// Units of the machine. Encoders come from the study or the contract, over the sampled box. A variable that was held
 /// fixed gets no units.
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings);
+
+/// Fills the parts of a model with a layout that describe its trials and the prior of its inputs.
+void describe_trials(const TrainingData& data, bool uniform_inputs, learning::Model& model);
 
 /// Variables that trials had at more than one value: those with units.
 std::vector<std::size_t> varying_inputs(const learning::VisibleLayout& layout);

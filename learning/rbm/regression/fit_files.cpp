@@ -1,15 +1,8 @@
 #include "learning/rbm/regression/fit_files.h"
 
-#include <cmath>
+#include "learning/model/model.h"
 
 namespace gonogo::learning {
-
-std::vector<double> read_finite(const Hdf5Reader& in, const std::string& path, const std::optional<Shape>& shape) {
-  std::vector<double> values = in.array<double>(path, shape);
-  for (const double x : values)
-    if (!std::isfinite(x)) in.fail(path, "holds a value that is not a finite number; train the model again");
-  return values;
-}
 
 namespace {
 
@@ -33,8 +26,8 @@ void write_parts(Hdf5Writer& out, const std::string& group, const ProcessParts& 
 }
 
 Standardisation read_scaling(const Hdf5Reader& in, const std::string& group) {
-  Standardisation scaling{.mean = read_finite(in, group + "/mean"), .scale = {}};
-  scaling.scale = read_finite(in, group + "/scale", Shape{scaling.mean.size()});
+  Standardisation scaling{.mean = finite_array(in, group + "/mean"), .scale = {}};
+  scaling.scale = finite_array(in, group + "/scale", Shape{scaling.mean.size()});
   for (const double x : scaling.scale)
     if (!(x > 0)) in.fail(group + "/scale", "holds a scale that is not above 0; train the model again");
   return scaling;
@@ -44,9 +37,9 @@ Standardisation read_scaling(const Hdf5Reader& in, const std::string& group) {
 ProcessParts read_parts(const Hdf5Reader& in, const std::string& group, std::size_t variances) {
   ProcessParts parts{.scaling = read_scaling(in, group)};
   const std::size_t width = parts.scaling.mean.size();
-  parts.logs = read_finite(in, group + "/logs", Shape{width + variances});
-  parts.slope = read_finite(in, group + "/slope");
-  parts.inputs = read_finite(in, group + "/inputs", Shape{parts.slope.size(), width});
+  parts.logs = finite_array(in, group + "/logs", Shape{width + variances});
+  parts.slope = finite_array(in, group + "/slope");
+  parts.inputs = finite_array(in, group + "/inputs", Shape{parts.slope.size(), width});
   return parts;
 }
 
@@ -72,13 +65,13 @@ GaussianProcessModel read_process(const Hdf5Reader& in, const std::string& group
 }
 
 GaussianRegression read_regression(const Hdf5Reader& in, const std::string& group) {
-  const std::vector<double> target = read_finite(in, group + "/target", Shape{2});
+  const std::vector<double> target = finite_array(in, group + "/target", Shape{2});
   return GaussianRegression({read_parts(in, group, 3), target[0], target[1]});
 }
 
 LogisticModel read_logistic(const Hdf5Reader& in, const std::string& group) {
   LogisticModel fit{read_scaling(in, group), {}};
-  fit.weight = read_finite(in, group + "/weight", Shape{fit.mean.size() + 1});
+  fit.weight = finite_array(in, group + "/weight", Shape{fit.mean.size() + 1});
   return fit;
 }
 

@@ -1,8 +1,6 @@
 // Fitted processes and regressions as groups of an HDF5 file, with what they need to answer and no more.
 #pragma once
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "base/hdf5/hdf5.h"
 #include "learning/rbm/regression/baselines.h"
@@ -14,9 +12,6 @@ namespace gonogo::learning {
 void write_fit(Hdf5Writer& out, const std::string& group, const GaussianProcessModel& fit);
 void write_fit(Hdf5Writer& out, const std::string& group, const GaussianRegression& fit);
 void write_fit(Hdf5Writer& out, const std::string& group, const LogisticModel& fit);
-
-/// The array. Throws InputError where it is missing, has another shape, or holds a value that is not a finite number.
-std::vector<double> read_finite(const Hdf5Reader& in, const std::string& path, const std::optional<Shape>& shape = {});
 
 /// The fits of these groups, which answer as the written ones to the last bit; a process has no variances, and a
 /// regression no leave_one_out(). Throw InputError for a group that is missing, damaged or of other sizes.

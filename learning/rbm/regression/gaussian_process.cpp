@@ -258,6 +258,12 @@ Column<double> column(std::span<const double> values) {
   return Eigen::Map<const Column<double>>(values.data(), Eigen::Index(values.size()));
 }
 
+/// values: [row x variable].
+Matrix<double> matrix_of(std::span<const double> values, std::size_t rows, std::size_t variables) {
+  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const ByRows>(values.data(), Eigen::Index(rows), Eigen::Index(variables));
+}
+
 /// `mean`, or 0 of every row.
 Column<double> mean_or_zero(std::span<const double> mean, std::size_t rows) {
   GONOGO_ASSERT(mean.empty() || mean.size() == rows);
@@ -431,10 +437,9 @@ std::vector<double> listed(const Matrix<double>& Z) {
 }
 
 Matrix<double> rows_of(const ProcessParts& parts) {
-  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const std::size_t width = parts.scaling.mean.size();
   GONOGO_ASSERT(parts.inputs.size() == parts.slope.size() * width);
-  return Eigen::Map<const ByRows>(parts.inputs.data(), Eigen::Index(parts.slope.size()), Eigen::Index(width));
+  return matrix_of(parts.inputs, parts.slope.size(), width);
 }
 
 }  // namespace
@@ -453,9 +458,7 @@ ProcessParts GaussianProcessModel::parts() const {
 LaplaceEvidence laplace_evidence(std::span<const double> inputs, std::span<const int> label,
                                  std::span<const double> weight, const KernelLogs& logs) {
   GONOGO_ASSERT(inputs.size() == label.size() * (logs.size() - 1) && weight.size() == label.size());
-  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Matrix<double> Z =
-      Eigen::Map<const ByRows>(inputs.data(), Eigen::Index(label.size()), Eigen::Index(logs.size()) - 1);
+  const Matrix<double> Z = matrix_of(inputs, label.size(), logs.size() - 1);
   const RowLikelihood<double> likelihood = row_likelihood(label, weight);
   Matrices<double> matrices(Z.rows());
   fill_kernel(Z, logs, matrices.K);

@@ -57,6 +57,7 @@ class GaussianProcessModel {
   /// A process without variances. The sizes of the parts agree.
   explicit GaussianProcessModel(const ProcessParts& parts);
   ProcessParts parts() const;
+  std::size_t input_count() const { return scaling_.mean.size(); }
 
   /// Many points at once are much faster than one by one. points: [point count x variable count]; NaN counts as the
   /// variable's mean; mean: m of every point, 0 where it is empty. Throws nothing.
@@ -110,6 +111,7 @@ class GaussianRegression {
   /// A regression without leave_one_out(). The sizes of the parts agree.
   explicit GaussianRegression(const RegressionParts& parts);
   RegressionParts parts() const;
+  std::size_t input_count() const { return scaling_.mean.size(); }
 
   /// Expected target of many points. points: [point count x variable count]; NaN counts as the variable's mean.
   std::vector<double> operator()(std::span<const double> points) const;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "learning/model/model.h"
 #include "learning/rbm/regression/fit_files.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/campaign/study/contract.h"
@@ -188,9 +189,9 @@ void ComposedVehicle::write(Hdf5Writer& out, const std::string& group) const {
 
 ComposedVehicle ComposedVehicle::read(const Hdf5Reader& in, const std::string& group) {
   const std::size_t variables = campaign::contract().variables.size();
-  const auto lower = learning::read_finite(in, group + "/box/lower", Shape{variables});
-  const auto upper = learning::read_finite(in, group + "/box/upper", Shape{variables});
-  const auto scales = learning::read_finite(in, group + "/scales", Shape{3});
+  const auto lower = learning::finite_array(in, group + "/box/lower", Shape{variables});
+  const auto upper = learning::finite_array(in, group + "/box/upper", Shape{variables});
+  const auto scales = learning::finite_array(in, group + "/scales", Shape{3});
   ComposedVehicle vehicle;
   for (std::size_t v = 0; v < variables; ++v) vehicle.box_.push_back({lower[v], upper[v]});
   vehicle.unit_speed_ = scales[0];
@@ -198,7 +199,7 @@ ComposedVehicle ComposedVehicle::read(const Hdf5Reader& in, const std::string& g
   vehicle.wheel_diameter_ = scales[2];
   const auto regression = [&](const char* name) {
     learning::GaussianRegression read = learning::read_regression(in, group + name);
-    if (read.parts().scaling.mean.size() != kInputsOfWheel)
+    if (read.input_count() != kInputsOfWheel)
       in.fail(group + name, "has other inputs than this program's; train the model again");
     return read;
   };

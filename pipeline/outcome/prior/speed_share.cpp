@@ -80,7 +80,7 @@ void SpeedShare::write(Hdf5Writer& out, const std::string& group) const {
 
 SpeedShare SpeedShare::read(const Hdf5Reader& in, const std::string& group) {
   learning::GaussianRegression regression = learning::read_regression(in, group);
-  const std::size_t inputs = regression.parts().scaling.mean.size();
+  const std::size_t inputs = regression.input_count();
   if (inputs < 2) in.fail(group, "has too few inputs; train the model again");
   return {inputs - 1, std::move(regression)};  // the last is what the slope needs
 }

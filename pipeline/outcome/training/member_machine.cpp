@@ -98,12 +98,7 @@ learning::Model member_machine(const Predictor& family, const Teacher& teacher, 
                       .weights;
   if (use == MachineUse::samples)
     model.weights = learning::balanced_inputs(model.layout, data.table, std::move(model.weights), kSeed, lesson.get());
-  model.sampled_lower = question.lower;
-  model.sampled_upper = question.upper;
-  model.training_points = data.table.variables;
-  model.training_weights = data.table.weight;
-  model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
-  model.input_prior = learning::uniform_prior(model.layout);
+  describe_trials(data, settings.uniform_inputs, model);
   model.provenance = family.model().provenance;
   model.provenance["member"] = question.vehicle;
   model.provenance[campaign::kGravityKey] = question.gravity;

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/math/random.h"
 #include "base/parallel/host_loop.h"
+#include "learning/model/model.h"
 #include "learning/rbm/regression/fit_files.h"
 #include "pipeline/campaign/design/sobol.h"
 #include "pipeline/campaign/study/contract.h"
@@ -251,7 +252,7 @@ Teacher Teacher::read(const std::filesystem::path& file) {
   if (!in.has(group)) in.fail("/", "holds no teacher, which answers for single vehicles; train the model again");
   Teacher teacher;
   teacher.variables_ = campaign::contract().variables.size();
-  teacher.known_.own = learning::read_finite(in, group + "/fidelity");
+  teacher.known_.own = learning::finite_array(in, group + "/fidelity");
   std::size_t inputs = teacher.variables_ + teacher.known_.own.size() + 1;  // and the size across
   if (in.has(group + "/composed")) {
     teacher.known_.composed = std::make_shared<const ComposedVehicle>(ComposedVehicle::read(in, group + "/composed"));
@@ -259,7 +260,7 @@ Teacher Teacher::read(const std::filesystem::path& file) {
   }
   const auto process = [&](const std::string& name) {
     learning::GaussianProcessModel read = learning::read_process(in, group + name);
-    if (read.parts().scaling.mean.size() != inputs)
+    if (read.input_count() != inputs)
       in.fail(group + name, "has other inputs than this program's; train the model again");
     return read;
   };

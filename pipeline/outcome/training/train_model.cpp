@@ -427,16 +427,6 @@ VehicleOdds odds_report(const std::vector<VehicleTrials>& vehicles, double shift
   return report;
 }
 
-/// Fills the parts of the model's file that describe the trials and the prior.
-void describe_trials(const Inputs& in, learning::Model& model) {
-  model.sampled_lower = in.data.lower;
-  model.sampled_upper = in.data.upper;
-  model.training_points = in.data.table.variables;
-  model.training_weights = in.data.table.weight;
-  model.training_outcomes.assign(in.data.table.outcome.begin(), in.data.table.outcome.end());
-  if (in.settings.uniform_inputs) model.input_prior = learning::uniform_prior(model.layout);
-}
-
 /// Writes the model. That of a family holds its teacher, too, which answers for single vehicles.
 void write_trained(const fs::path& file, const learning::Model& model, const Inputs& in,
                    const std::function<const Teacher&()>& teacher) {
@@ -512,7 +502,7 @@ TrainingReport train_model(const TrainRequest& request) {
   if (!beside) train_last();
   const Scores scores = cross_validation_scores(in.data, validation, fold, folds, training.seed, teachers,
                                                 beside ? train_last : std::function<void()>());
-  describe_trials(in, model);
+  describe_trials(in.data, in.settings.uniform_inputs, model);
   const double shift = request.vehicles.empty() ? 0 : fitted_shift(Predictor(model), request.vehicles);
   shift_odds(model.layout, shift, model.calibration_power, model.weights);
   balance(model.layout, table, training, lesson.get(), model.weights);
